@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <frugal_nav/common/geometry.hpp>
+#include <frugal_nav/common/time.hpp>
+
+namespace frugal_nav {
+
+/// One planar laser scan in the sensor's frame. Ranges follow REP-117.
+struct LaserScan {
+  Stamp stamp{};
+  double angle_min_rad = 0.0;
+  double angle_increment_rad = 0.0;
+  double range_min_m = 0.0;
+  double range_max_m = 0.0;
+  std::vector<float> ranges_m;
+
+  double angleOf(std::size_t beam) const {
+    return angle_min_rad + angle_increment_rad * static_cast<double>(beam);
+  }
+};
+
+/// What one range of a scan says (REP-117).
+enum class Return {
+  kHit,       ///< an obstacle at that range
+  kFree,      ///< +inf: nothing within range_max
+  kTooClose,  ///< -inf, or below range_min: an obstacle nearer than the sensor can measure
+  kUnknown,   ///< NaN, or above range_max
+};
+
+/// Classifies one range of a scan by REP-117.
+inline Return classify(const LaserScan& scan, float range_m) {
+  if (std::isnan(range_m)) return Return::kUnknown;
+  if (std::isinf(range_m)) return range_m > 0 ? Return::kFree : Return::kTooClose;
+  if (range_m < scan.range_min_m) return Return::kTooClose;
+  if (range_m > scan.range_max_m) return Return::kUnknown;
+  return Return::kHit;
+}
+
+/// Why a scan cannot be used (empty, wrong increments, NaN only, ...); nullopt for a sound one.
+std::optional<std::string> findFault(const LaserScan& scan);
+
+/// The hits and too-close returns of a scan as points in the base's frame [m]; too-close ones lie at
+/// range_min.
+std::vector<Eigen::Vector2d> obstaclePoints(const LaserScan& scan, const Pose2& base_from_laser);
+
+}  // namespace frugal_nav

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <geometry_msgs/Pose.h>
+#include <geometry_msgs/TwistStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <nav_msgs/Path.h>
+#include <ros/time.h>
+#include <sensor_msgs/LaserScan.h>
+
+#include <frugal_nav/LocalCommand.h>
+#include <frugal_nav/MissionState.h>
+#include <frugal_nav/common/geometry.hpp>
+#include <frugal_nav/common/laser_scan.hpp>
+#include <frugal_nav/common/mission_status.hpp>
+#include <frugal_nav/common/motion_command.hpp>
+#include <frugal_nav/common/odometry.hpp>
+#include <frugal_nav/common/time.hpp>
+
+namespace frugal_nav {
+
+Stamp toStamp(const ros::Time& time);
+ros::Time toRos(Stamp stamp);
+
+geometry_msgs::Pose toRos(const Pose2& pose);
+geometry_msgs::Twist toRos(const Twist2& twist);
+
+/// Yaw of a quaternion; nullopt when it is not finite or its length is not within 0.01 of 1.
+std::optional<double> yawOf(const geometry_msgs::Quaternion& q);
+/// The planar part of a pose; nullopt when it is not finite or its quaternion is none.
+std::optional<Pose2> planar(const geometry_msgs::Pose& pose);
+/// The planar part of a twist as it stands, finite or not: the receiver refuses and counts bad ones.
+Twist2 planar(const geometry_msgs::Twist& twist);
+
+LaserScan fromRos(const sensor_msgs::LaserScan& msg);
+
+/// nullopt when the pose is not finite or its quaternion is none.
+std::optional<Odometry> fromRos(const nav_msgs::Odometry& msg);
+nav_msgs::Odometry toRos(const Odometry& odometry, const std::string& odom_frame,
+                         const std::string& base_frame);
+
+/// A path in the frame of its header; nullopt when a pose is not finite or has no sound quaternion.
+std::optional<Path2> fromRos(const nav_msgs::Path& msg);
+nav_msgs::Path toRos(const Path2& path, Stamp stamp, const std::string& frame);
+
+/// nullopt when the status is unknown, or what the command holds is not finite.
+std::optional<MotionCommand> fromRos(const LocalCommand& msg);
+LocalCommand toRos(const MotionCommand& command, const std::string& odom_frame);
+
+/// nullopt when mode or state is none of the message's constants.
+std::optional<MissionStatus> fromRos(const MissionState& msg);
+MissionState toRos(const MissionStatus& status);
+
+}  // namespace frugal_nav

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <nodelet/nodelet.h>
+#include <ros/ros.h>
+
+#include <frugal_nav/common/params.hpp>
+
+namespace frugal_nav {
+
+/// The whole main() of a standalone node. A bad configuration is one FATAL line and exit code 1.
+template <class Node>
+int runNode(int argc, char** argv, const std::string& name) {
+  ros::init(argc, argv, name);
+  try {
+    Node node{ros::NodeHandle(), ros::NodeHandle("~")};
+    ros::spin();
+  } catch (const ConfigError& error) {
+    ROS_FATAL("%s", error.what());
+    return 1;
+  }
+  return 0;
+}
+
+/// The same node class as a nodelet. Its callbacks run on the single-threaded queue, so the class needs no
+/// lock.
+template <class Node>
+class NodeletOf : public nodelet::Nodelet {
+ private:
+  void onInit() override { node_ = std::make_unique<Node>(getNodeHandle(), getPrivateNodeHandle()); }
+
+  std::unique_ptr<Node> node_;
+};
+
+}  // namespace frugal_nav
