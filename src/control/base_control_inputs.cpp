@@ -1,0 +1,112 @@
+#include <cmath>
+
+#include <frugal_nav/control/base_control.hpp>
+
+// What comes in: every input is checked, stamped and kept here; base_control.cpp decides with it.
+
+namespace frugal_nav {
+namespace {
+
+std::optional<std::string> inputFault(const Twist2& velocity, const PlausibleCommands& plausible) {
+  if (!velocity.isFinite()) return "the velocity is not finite";
+  if (std::abs(velocity.v_mps) > plausible.max_v_mps) return "the speed is out of range";
+  if (std::abs(velocity.w_radps) > plausible.max_w_radps) return "the turn rate is out of range";
+  return std::nullopt;
+}
+
+std::optional<std::string> inputFault(const Pose2& target, const OdometryBuffer& odometry,
+                                      const PlausibleCommands& plausible) {
+  if (!target.isFinite()) return "the target is not finite";
+  if (odometry.empty()) return std::nullopt;  // cannot be driven to before there is odometry
+  const double away_m = distance(odometry.newest().odom_from_base, target);
+  if (away_m > plausible.max_target_distance_m) return "the target is out of range";
+  return std::nullopt;
+}
+
+std::optional<std::string> inputFault(const MotionCommand& command, const OdometryBuffer& odometry,
+                                      const PlausibleCommands& plausible) {
+  switch (command.holds) {
+    case MotionCommand::Holds::kNothing:
+      return std::nullopt;
+    case MotionCommand::Holds::kVelocity:
+      return inputFault(command.velocity, plausible);
+    case MotionCommand::Holds::kTarget:
+      return inputFault(command.odom_from_target, odometry, plausible);
+  }
+  return "it holds an unknown thing";
+}
+
+std::optional<std::string> inputFault(const Odometry& odometry) {
+  if (odometry.odom_from_base.isFinite() && odometry.twist.isFinite()) return std::nullopt;
+  return "pose or velocity is not finite";
+}
+
+}  // namespace
+
+bool BaseControl::accept(const std::string& input, Stamp stamp, const std::optional<std::string>& fault) {
+  if (fault) {
+    refuse(input, *fault);
+    return false;
+  }
+  if (!watchdog_.feed(input, stamp)) {
+    reset();
+    time_jumped_ = true;
+    ++time_jumps_;
+    watchdog_.feed(input, stamp);
+  }
+  refused_.erase(input);
+  return true;
+}
+
+void BaseControl::refuse(const std::string& input, const std::string& why) {
+  refused_[input] = input + " is refused: " + why;
+  ++refused_counts_[input];
+}
+
+void BaseControl::setMission(const MissionStatus& status) {
+  if (!accept("mission/state", status.stamp, std::nullopt)) return;
+  if (status.goal_number != mission_.goal_number || status.mode != mission_.mode) {
+    follower_.reset();
+    if (status.goal_number != mission_.goal_number) goal_since_ = status.stamp;
+  }
+  mission_ = status;
+}
+
+void BaseControl::setOdometry(const Odometry& odometry) {
+  if (accept("odom", odometry.stamp, inputFault(odometry))) odometry_.add(odometry);
+}
+
+void BaseControl::setScan(const LaserScan& scan, const Pose2& base_from_laser) {
+  has_scanner_ = true;
+  if (!accept("scan", scan.stamp, findFault(scan))) return;
+  scan_stamp_ = scan.stamp;
+  p_base_at_scan_.clear();
+  for (const Eigen::Vector2d& p : obstaclePoints(scan, base_from_laser)) {
+    if (guard_.clearance(p) > 0.0) p_base_at_scan_.push_back(p);  // inside: parts of the robot itself
+  }
+  blind_.add(scan, base_from_laser);
+}
+
+void BaseControl::setLocalCommand(const MotionCommand& command) {
+  if (accept("avoidance/command", command.stamp, inputFault(command, odometry_, params_.plausible))) {
+    local_command_ = command;
+  }
+}
+
+void BaseControl::setPath(const Path2& path, Stamp stamp) {
+  std::optional<std::string> fault;
+  for (const Pose2& pose : path) {
+    if (!fault) fault = inputFault(pose, odometry_, params_.plausible);
+  }
+  if (accept("path", stamp, fault)) path_ = path;
+}
+
+void BaseControl::setMissionCommand(const Twist2& velocity, Stamp stamp) {
+  if (accept("mission/command", stamp, inputFault(velocity, params_.plausible))) mission_command_ = velocity;
+}
+
+void BaseControl::setManualCommand(const Twist2& velocity, Stamp stamp) {
+  if (accept("cmd_vel_in", stamp, inputFault(velocity, params_.plausible))) manual_command_ = velocity;
+}
+
+}  // namespace frugal_nav

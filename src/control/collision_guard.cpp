@@ -1,0 +1,136 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include <frugal_nav/control/collision_guard.hpp>
+
+namespace frugal_nav {
+namespace {
+
+// No point of the footprint moves farther than this between two checked poses: less than the margin.
+constexpr double kStep_m = 0.015;
+
+Twist2 scaled(const Twist2& twist, double factor) { return {factor * twist.v_mps, factor * twist.w_radps}; }
+
+}  // namespace
+
+CollisionGuard::CollisionGuard(const CollisionGuardParams& params, const Polygon2& footprint)
+    : params_(params) {
+  validate(params, "collision guard");
+  if (footprint.size() < 3) throw ConfigError("collision guard: the footprint needs three corners or more");
+  for (std::size_t i = 0; i < footprint.size(); ++i) {
+    const Eigen::Vector2d& corner = footprint[i];
+    const Eigen::Vector2d along = (footprint[(i + 1) % footprint.size()] - corner).normalized();
+    const Eigen::Vector2d outward(along.y(), -along.x());
+    edges_.push_back({outward, outward.dot(corner)});
+    circumradius_m_ = std::max(circumradius_m_, corner.norm());
+  }
+  for (const Eigen::Vector2d& corner : footprint) {
+    if (!(clearance(corner) < 1e-6)) {
+      throw ConfigError("collision guard: the footprint must be convex, its corners counter-clockwise");
+    }
+  }
+}
+
+double CollisionGuard::clearance(const Eigen::Vector2d& p_base) const {
+  double largest = -std::numeric_limits<double>::infinity();
+  for (const Edge& edge : edges_) largest = std::max(largest, edge.outward.dot(p_base) - edge.offset_m);
+  return largest;
+}
+
+GuardedTwist CollisionGuard::check(const Twist2& command, const Twist2& present, double scan_age_s,
+                                   const std::vector<Eigen::Vector2d>& p_base) const {
+  if (command.isZero()) return {};
+  const double hold_s = params_.hold_s + std::max(scan_age_s, 0.0);
+  const double reach_m = stoppingWay(command, present, hold_s).length_m + circumradius_m_ + params_.margin_m;
+  const std::vector<Eigen::Vector2d> near = within(reach_m, p_base);
+  const auto touchesNothing = [&](const Twist2& twist, double margin_m) {
+    return isFree(stoppingWay(twist, present, hold_s), margin_m, near);
+  };
+  for (const double share : {1.0, 0.75, 0.5, 0.25}) {
+    const Twist2 twist = scaled(command, share);
+    const double margin_m = share > 0.25 ? params_.margin_m : params_.slow_margin_m;
+    if (touchesNothing(twist, margin_m)) return {twist, share};
+  }
+  if (command.w_radps != 0.0 && command.v_mps != 0.0) {
+    for (const double share : {1.0, 0.25}) {
+      const Twist2 turn{0.0, share * command.w_radps};
+      const double margin_m = share > 0.25 ? params_.margin_m : params_.slow_margin_m;
+      if (touchesNothing(turn, margin_m)) return {turn, share};
+    }
+  }
+  return {{}, 0.0};
+}
+
+double CollisionGuard::freeDistance(const Twist2& velocity, double horizon_m,
+                                    const std::vector<Eigen::Vector2d>& p_base) const {
+  const double speed = std::abs(velocity.v_mps);
+  if (speed == 0.0) return horizon_m;
+  Way way;
+  drive(way, velocity, velocity, horizon_m / speed);
+  const std::vector<Eigen::Vector2d> near = within(horizon_m + circumradius_m_ + params_.margin_m, p_base);
+  for (std::size_t i = 0; i < way.poses.size(); ++i) {
+    if (keepsClear(way.poses[i], params_.margin_m, near)) continue;
+    return horizon_m * static_cast<double>(i) / static_cast<double>(way.poses.size());
+  }
+  return horizon_m;
+}
+
+void CollisionGuard::drive(Way& way, const Twist2& begin, const Twist2& end, double duration_s) const {
+  const double fastest = std::max(std::abs(begin.v_mps) + std::abs(begin.w_radps) * circumradius_m_,
+                                  std::abs(end.v_mps) + std::abs(end.w_radps) * circumradius_m_);
+  const int steps = static_cast<int>(std::ceil(fastest * duration_s / kStep_m));
+  Pose2 pose = way.poses.empty() ? Pose2{} : way.poses.back();
+  for (int i = 0; i < steps; ++i) {
+    const double at = (static_cast<double>(i) + 0.5) / steps;
+    const Twist2 twist{begin.v_mps + at * (end.v_mps - begin.v_mps),
+                       begin.w_radps + at * (end.w_radps - begin.w_radps)};
+    pose = pose * arcMotion(twist, duration_s / steps);
+    way.poses.push_back(pose);
+    way.length_m += std::abs(twist.v_mps) * duration_s / steps;
+  }
+}
+
+CollisionGuard::Way CollisionGuard::stoppingWay(const Twist2& command, const Twist2& present,
+                                                double hold_s) const {
+  Way way;
+  drive(way, present, present, params_.reaction_s);
+  drive(way, command, command, hold_s);
+  const double brake_s = std::max(std::abs(command.v_mps) / params_.brake_mps2,
+                                  std::abs(command.w_radps) / params_.turn_brake_radps2);
+  drive(way, command, {}, brake_s);
+  return way;
+}
+
+bool CollisionGuard::isFree(const Way& way, double margin_m,
+                            const std::vector<Eigen::Vector2d>& p_base) const {
+  return std::all_of(way.poses.begin(), way.poses.end(),
+                     [&](const Pose2& pose) { return keepsClear(pose, margin_m, p_base); });
+}
+
+bool CollisionGuard::keepsClear(const Pose2& start_from_pose, double margin_m,
+                                const std::vector<Eigen::Vector2d>& p_base) const {
+  constexpr double kRounding_m = 1e-6;
+  const double c = std::cos(start_from_pose.yaw_rad);
+  const double s = std::sin(start_from_pose.yaw_rad);
+  const double beyond_m = circumradius_m_ + margin_m;
+  for (const Eigen::Vector2d& p : p_base) {
+    const double dx = p.x() - start_from_pose.x_m;
+    const double dy = p.y() - start_from_pose.y_m;
+    if (dx * dx + dy * dy > beyond_m * beyond_m) continue;
+    const double later_m = clearance({c * dx + s * dy, c * dy - s * dx});
+    if (later_m < margin_m && later_m < clearance(p) - kRounding_m) return false;
+  }
+  return true;
+}
+
+std::vector<Eigen::Vector2d> CollisionGuard::within(double reach_m,
+                                                    const std::vector<Eigen::Vector2d>& p_base) const {
+  std::vector<Eigen::Vector2d> near;
+  std::copy_if(p_base.begin(), p_base.end(), std::back_inserter(near),
+               [reach_m](const Eigen::Vector2d& p) { return p.squaredNorm() < reach_m * reach_m; });
+  return near;
+}
+
+}  // namespace frugal_nav
