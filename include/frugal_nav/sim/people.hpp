@@ -31,10 +31,10 @@ struct PersonBody {
   double thigh_m = 0.0;
   double shin_m = 0.0;  ///< knee to ankle
   double ankle_m = 0.0;
+  double neck_height_m = 0.0;
   double shoulder_height_m = 0.0;
   double shoulder_offset_m = 0.0;
   double upper_arm_m = 0.0;
-  double leg_scale = 1.0;  ///< stride and bob grow with the legs
 
   /// Index into Model::visuals of each limb; left, right.
   int torso = -1;
@@ -53,7 +53,7 @@ constexpr double kSeatHeight_m = 0.45;
 /// A body follows from the person's `appearance` and posture alone. Throws ConfigError as personMotion().
 std::vector<PersonBody> addPeople(Scene& scene);
 
-/// Poses a body (model, limbs and the collisions of its legs) for a time of the world [s].
+/// Poses a body (its model and limbs) for a time of the world [s].
 void posePerson(const PersonBody& body, double time_s, Scene& scene);
 
 }  // namespace frugal_nav::sim
