@@ -42,7 +42,7 @@ struct CameraParams {
     visit("width_px", width_px, Field{"px", "columns of the image", 16, 4096});
     visit("height_px", height_px, Field{"px", "rows of the image", 16, 4096});
     visit("horizontal_fov_rad", horizontal_fov_rad,
-          Field{"rad", "width of the view before distortion: 62 degrees", 0.1, 2.8});
+          Field{"rad", "width of the view, before distortion", 0.1, 2.8});
     visit("k1", k1, Field{"", "plumb-bob radial distortion, r^2", -1.0, 1.0});
     visit("k2", k2, Field{"", "plumb-bob radial distortion, r^4", -1.0, 1.0});
     visit("p1", p1, Field{"", "plumb-bob tangential distortion", -0.1, 0.1});

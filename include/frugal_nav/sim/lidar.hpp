@@ -36,8 +36,9 @@ struct LidarParams {
     visit("sigma_ratio", sigma_ratio,
           Field{"", "standard deviation over range: the data sheet's resolution is 1 % of the range", 0.0,
                 0.2});
-    visit("sigma_min_m", sigma_min_m,
-          Field{"m", "smallest standard deviation: the data sheet's 0.5 mm resolution, doubled", 0.0, 0.1});
+    visit(
+        "sigma_min_m", sigma_min_m,
+        Field{"m", "smallest standard deviation: near by, quantisation (0.5 mm) is what remains", 0.0, 0.1});
     visit("dropout_probability", dropout_probability,
           Field{"", "share of beams that return nothing and read NaN", 0.0, 1.0});
   }
