@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <sstream>
+#include <vector>
 
 #include <frugal_nav/sim/gazebo_materials.hpp>
 
@@ -63,24 +65,30 @@ std::string without(const std::string& ending, const std::string& name) {
   return has_it ? name.substr(0, name.size() - ending.size()) : name;
 }
 
-bool readColor(std::istringstream& line, Eigen::Vector3f& color) {
-  Eigen::Vector3f read;
-  if (!(line >> read.x() >> read.y() >> read.z())) return false;
-  color = read.cwiseMax(0.0F).cwiseMin(1.0F);
-  return true;
+/// The words and braces of a script, without its comments.
+std::vector<std::string> tokensOf(const std::string& text) {
+  std::vector<std::string> tokens;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    line = line.substr(0, line.find("//"));
+    std::string spaced;
+    for (const char c : line) spaced += c == '{' || c == '}' ? std::string{' ', c, ' '} : std::string{c};
+    std::istringstream words(spaced);
+    for (std::string word; words >> word;) tokens.push_back(word);
+  }
+  return tokens;
 }
 
-void readAttribute(const std::string& text, ScriptMaterial& result) {
-  std::istringstream line(text);
-  std::string key;
-  line >> key;
-  if (key == "diffuse") {
-    readColor(line, result.material.albedo);
-  } else if (key == "emissive") {
-    readColor(line, result.material.emission);
-  } else if (key == "texture" && result.texture_name.empty()) {
-    line >> result.texture_name;
+/// The three numbers from a token on; the colour stays when there are none ("diffuse vertexcolour").
+void readColor(const std::vector<std::string>& tokens, std::size_t first, Eigen::Vector3f& color) {
+  Eigen::Vector3f read;
+  for (std::size_t i = 0; i < 3; ++i) {
+    char* end = nullptr;
+    if (first + i >= tokens.size()) return;
+    read[static_cast<int>(i)] = std::strtof(tokens[first + i].c_str(), &end);
+    if (end == tokens[first + i].c_str()) return;
   }
+  color = read.cwiseMax(0.0F).cwiseMin(1.0F);
 }
 
 }  // namespace
@@ -102,25 +110,23 @@ std::optional<Material> gazeboMaterial(const std::string& name) {
 }
 
 std::optional<ScriptMaterial> parseMaterialScript(const std::string& text, const std::string& name) {
-  std::istringstream lines(text);
-  std::optional<ScriptMaterial> result;
+  const std::vector<std::string> tokens = tokensOf(text);
+  std::size_t i = 0;
+  while (i + 1 < tokens.size() && !(tokens[i] == "material" && tokens[i + 1] == name)) ++i;
+  if (i + 1 >= tokens.size()) return std::nullopt;
+
+  ScriptMaterial result;
+  result.material.name = name;
+  result.material.albedo = {1.0F, 1.0F, 1.0F};  // OGRE's default
   int depth = 0;
-  for (std::string line; std::getline(lines, line);) {
-    line = line.substr(0, line.find("//"));
-    std::istringstream words(line);
-    std::string keyword;
-    std::string material_name;
-    if (!result && words >> keyword >> material_name && keyword == "material" && material_name == name) {
-      result.emplace();
-      result->material.name = name;
-      result->material.albedo = {1.0F, 1.0F, 1.0F};  // OGRE's default
+  for (i += 2; i < tokens.size(); ++i) {
+    if (tokens[i] == "{") ++depth;
+    if (tokens[i] == "}" && --depth <= 0) break;
+    if (tokens[i] == "diffuse") readColor(tokens, i + 1, result.material.albedo);
+    if (tokens[i] == "emissive") readColor(tokens, i + 1, result.material.emission);
+    if (tokens[i] == "texture" && result.texture_name.empty() && i + 1 < tokens.size()) {
+      result.texture_name = tokens[i + 1];
     }
-    if (!result) continue;
-    readAttribute(line, *result);
-    depth += static_cast<int>(std::count(line.begin(), line.end(), '{'));
-    const auto closed = static_cast<int>(std::count(line.begin(), line.end(), '}'));
-    depth -= closed;
-    if (depth <= 0 && closed > 0) break;
   }
   return result;
 }
