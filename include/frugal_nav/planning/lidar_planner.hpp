@@ -1,0 +1,90 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <frugal_nav/common/geometry.hpp>
+#include <frugal_nav/common/laser_scan.hpp>
+#include <frugal_nav/common/params.hpp>
+#include <frugal_nav/common/time.hpp>
+#include <frugal_nav/planning/astar.hpp>
+#include <frugal_nav/planning/body_extent.hpp>
+#include <frugal_nav/planning/cost_map.hpp>
+#include <frugal_nav/planning/rolling_grid.hpp>
+
+namespace frugal_nav {
+
+struct LidarPlannerParams {
+  RollingGridParams grid;
+  CostMapParams cost;
+  double goal_tolerance_m = 0.25;
+  double switch_gain = 0.10;
+  double same_way_m = 0.50;
+  double path_spacing_m = 0.10;
+
+  template <class Visitor>
+  void fields(Visitor&& visit) {
+    visit("grid", grid);
+    visit("cost", cost);
+    visit("goal_tolerance_m", goal_tolerance_m,
+          Field{"m",
+                "a goal inside an obstacle is replaced by the nearest reachable place within this; below the "
+                "mission's goal radius of 0.30",
+                0.0, 2.0});
+    visit("switch_gain", switch_gain,
+          Field{"",
+                "another way is taken when it is this part shorter than the present one: keeps the path from "
+                "flipping between equal ways",
+                0.0, 1.0});
+    visit("same_way_m", same_way_m,
+          Field{"m", "a path this near to the previous one is the same way, free to improve", 0.05, 5.0});
+    visit("path_spacing_m", path_spacing_m, Field{"m", "distance between the points of the path", 0.02, 1.0});
+  }
+};
+
+/// What a scan led to.
+struct LidarPlan {
+  enum class Status {
+    kIdle,     ///< no goal: nothing to plan
+    kFound,    ///< `path` leads to the goal, or out of the window toward it
+    kNoPath,   ///< the way is closed; `reason` says where
+    kStopped,  ///< the scan or the pose cannot be used; `reason` says why
+  };
+  Stamp stamp{};  ///< of the scan
+  Status status = Status::kIdle;
+  std::string reason;
+  Path2 path;  ///< in odom, from the robot on; empty: none
+  bool reaches_goal =
+      false;  ///< the path ends at the goal, not at the window's border or beside a blocked goal
+};
+
+/// Plans on every scan: scan into the rolling grid, grid into weights, A*, straight lines.
+class LidarPlanner {
+ public:
+  LidarPlanner(const LidarPlannerParams& params, const BodyExtent& body);
+
+  /// Where to go, in odom; nothing: nowhere. Throws nothing; a goal that is not finite gives kStopped.
+  void setGoal(const std::optional<Pose2>& odom_from_goal);
+
+  /// Takes a scan in and plans. `odom_from_base` is the pose at the scan's stamp.
+  LidarPlan update(const LaserScan& scan, const Pose2& base_from_laser, const Pose2& odom_from_base);
+
+  /// Forgets what was seen and planned, but not the goal: after a jump in time.
+  void reset();
+
+  const RollingGrid& grid() const { return grid_; }
+  const CostMap& costMap() const { return cost_map_; }
+
+ private:
+  void plan(const Pose2& odom_from_base, LidarPlan& plan);
+  Path2 shape(const AStarResult& found, const Pose2& odom_from_base, bool at_goal) const;
+
+  LidarPlannerParams params_;
+  RollingGrid grid_;
+  CostMap cost_map_;
+  AStar astar_;
+  std::optional<Pose2> goal_;
+  Path2 previous_;
+};
+
+}  // namespace frugal_nav

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include <frugal_nav/common/geometry.hpp>
+#include <frugal_nav/common/laser_scan.hpp>
+#include <frugal_nav/common/motion_command.hpp>
+#include <frugal_nav/common/odometry.hpp>
+
+namespace frugal_nav {
+
+/// What a local planner decides on; all of one instant, the scan's.
+struct LocalPlannerInput {
+  const LaserScan& scan;  ///< sound: findFault() found nothing
+  Pose2 base_from_laser;
+  const std::vector<Eigen::Vector2d>& obstacles_base;  ///< the scan's obstaclePoints() [m]
+  Odometry odometry;                                   ///< pose and twist at the scan's stamp
+  Eigen::Vector2d target_odom;                         ///< where to go next: on the path, or the goal itself
+  Eigen::Vector2d goal_odom;                           ///< where it all leads
+};
+
+/// A method of avoiding obstacles on the way to a near target.
+class LocalPlanner {
+ public:
+  virtual ~LocalPlanner() = default;
+
+  /// The command for one scan; its stamp is the scan's and clear_bearing_rad is always filled.
+  virtual MotionCommand plan(const LocalPlannerInput& input) = 0;
+
+  /// Forgets what earlier scans led to: after a new goal or a jump in time.
+  virtual void reset() = 0;
+};
+
+}  // namespace frugal_nav

@@ -1,0 +1,111 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <frugal_nav/planning/corridor.hpp>
+#include <frugal_nav/planning/lidar_avoidance.hpp>
+
+namespace frugal_nav {
+namespace {
+
+MotionCommand stopped(MotionCommand command, MotionCommand::Status status, const std::string& reason) {
+  command.status = status;
+  command.reason = reason;
+  command.holds = MotionCommand::Holds::kNothing;
+  command.velocity = {};
+  return command;
+}
+
+std::string seconds(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2f s", value);
+  return text;
+}
+
+/// Index of the path's point nearest to a place.
+std::size_t nearestIndex(const Path2& path, const Eigen::Vector2d& p) {
+  const auto nearest = std::min_element(path.begin(), path.end(), [&p](const Pose2& a, const Pose2& b) {
+    return (a.position() - p).squaredNorm() < (b.position() - p).squaredNorm();
+  });
+  return static_cast<std::size_t>(nearest - path.begin());
+}
+
+}  // namespace
+
+LidarAvoidance::LidarAvoidance(const LidarAvoidanceParams& params, const BodyExtent& body)
+    : params_(params), body_(body) {
+  validate(params, "avoidance");
+  sectors_ = std::make_unique<SectorAvoidance>(params.sectors, body);
+  planner_ = sectors_.get();
+}
+
+void LidarAvoidance::setGoal(const std::optional<Pose2>& odom_from_goal) {
+  const bool same = goal_ && odom_from_goal && distance(*goal_, *odom_from_goal) < 1e-6;
+  if (!same) planner_->reset();
+  goal_ = odom_from_goal;
+}
+
+void LidarAvoidance::setPath(Stamp stamp, const Path2& path) {
+  path_stamp_ = stamp;
+  path_ = path;
+}
+
+void LidarAvoidance::reset() {
+  path_stamp_.reset();
+  path_.clear();
+  planner_->reset();
+}
+
+MotionCommand LidarAvoidance::update(const LaserScan& scan, const Pose2& base_from_laser,
+                                     const Odometry& odometry) {
+  using Status = MotionCommand::Status;
+  MotionCommand idle;
+  idle.stamp = scan.stamp;
+  if (const auto fault = findFault(scan)) return stopped(idle, Status::kStopped, *fault);
+  if (!odometry.odom_from_base.isFinite() || !odometry.twist.isFinite() || !base_from_laser.isFinite()) {
+    return stopped(idle, Status::kStopped, "the odometry is not finite");
+  }
+  if (goal_ && !goal_->isFinite()) return stopped(idle, Status::kStopped, "the goal is not finite");
+
+  const std::vector<Eigen::Vector2d> obstacles = obstaclePoints(scan, base_from_laser);
+  const std::string path_fault = needsPath() ? findPathFault(scan.stamp) : "";
+  const bool follows = needsPath() && path_fault.empty() && !path_.empty();
+  const Eigen::Vector2d ahead = odometry.odom_from_base * Eigen::Vector2d(1.0, 0.0);
+  const Eigen::Vector2d goal = goal_ ? goal_->position() : ahead;
+  const Eigen::Vector2d target = follows ? lookAhead(odometry.odom_from_base, obstacles) : goal;
+  // The method sees every scan, so that the clearer side is known while the robot stands.
+  const MotionCommand command = planner_->plan({scan, base_from_laser, obstacles, odometry, target, goal});
+  if (!goal_) return stopped(command, Status::kIdle, "no goal");
+  if (!path_fault.empty()) return stopped(command, Status::kStopped, path_fault);
+  if (needsPath() && path_.empty())
+    return stopped(command, Status::kBlocked, "the planner has no path to the goal");
+  return command;
+}
+
+std::string LidarAvoidance::findPathFault(Stamp now) const {
+  if (!path_stamp_) return "no path from the planner yet";
+  const double age = toSeconds(now - *path_stamp_);
+  if (age > params_.path_timeout_s) return "no path from the planner for " + seconds(age);
+  const bool finite = std::all_of(path_.begin(), path_.end(), [](const Pose2& p) { return p.isFinite(); });
+  return finite ? "" : "the path is not finite";
+}
+
+/// The farthest point of the path within look_ahead_m, measured along it, that a body's width can reach
+/// straight; where none is in sight, the point shortest_look_ahead_m along.
+Eigen::Vector2d LidarAvoidance::lookAhead(const Pose2& odom_from_base,
+                                          const std::vector<Eigen::Vector2d>& obstacles_base) const {
+  const Pose2 base_from_odom = odom_from_base.inverse();
+  const std::size_t nearest = nearestIndex(path_, odom_from_base.position());
+  Eigen::Vector2d target = path_[nearest].position();
+  double along = 0.0;
+  for (std::size_t i = nearest + 1; i < path_.size(); ++i) {
+    along += distance(path_[i - 1], path_[i]);
+    if (along > params_.look_ahead_m + 1e-9) break;
+    const Eigen::Vector2d p = path_[i].position();
+    const Corridor sight{base_from_odom * p, body_.half_width_m + params_.sight_margin_m, body_.half_width_m};
+    if (along <= params_.shortest_look_ahead_m || isFree(sight, obstacles_base)) target = p;
+  }
+  return target;
+}
+
+}  // namespace frugal_nav

@@ -1,0 +1,95 @@
+#include <cmath>
+#include <vector>
+
+#include <frugal_nav/planning/lidar_planner.hpp>
+#include <frugal_nav/planning/path_shape.hpp>
+
+namespace frugal_nav {
+namespace {
+
+constexpr double kFarthest_m = 1e6;  // beyond this cell indices no longer fit
+
+bool isUsable(const Pose2& pose) {
+  return pose.isFinite() && std::abs(pose.x_m) < kFarthest_m && std::abs(pose.y_m) < kFarthest_m;
+}
+
+std::string reasonOf(AStarResult::Status status) {
+  return status == AStarResult::Status::kGoalBlocked
+             ? "the goal lies in an obstacle"
+             : "no way to the goal through what is seen and remembered";
+}
+
+}  // namespace
+
+LidarPlanner::LidarPlanner(const LidarPlannerParams& params, const BodyExtent& body)
+    : params_(params), grid_(params.grid), cost_map_(params.cost, body, grid_) {
+  validate(params, "planner");
+}
+
+void LidarPlanner::setGoal(const std::optional<Pose2>& odom_from_goal) {
+  const bool same = goal_ && odom_from_goal && distance(*goal_, *odom_from_goal) < params_.grid.cell_m;
+  if (!same) previous_.clear();
+  goal_ = odom_from_goal;
+}
+
+void LidarPlanner::reset() {
+  grid_.reset();
+  previous_.clear();
+}
+
+LidarPlan LidarPlanner::update(const LaserScan& scan, const Pose2& base_from_laser,
+                               const Pose2& odom_from_base) {
+  LidarPlan result;
+  result.stamp = scan.stamp;
+  result.status = LidarPlan::Status::kStopped;
+  if (const auto fault = findFault(scan)) {
+    result.reason = *fault;
+    return result;
+  }
+  if (!isUsable(odom_from_base) || !base_from_laser.isFinite()) {
+    result.reason = "the robot's pose is not finite";
+    return result;
+  }
+  grid_.moveTo(odom_from_base.position());
+  grid_.insert(scan, odom_from_base * base_from_laser);
+  if (goal_ && !isUsable(*goal_)) {
+    result.reason = "the goal is not finite";
+    return result;
+  }
+  result.status = LidarPlan::Status::kIdle;
+  if (goal_) plan(odom_from_base, result);
+  previous_ = result.path;
+  return result;
+}
+
+void LidarPlanner::plan(const Pose2& odom_from_base, LidarPlan& plan) {
+  const Cell start = grid_.cellOf(odom_from_base.position());
+  const Cell goal = grid_.cellOf(goal_->position());
+  cost_map_.update(grid_, start);
+  cost_map_.prefer(previous_, params_.same_way_m, params_.switch_gain);
+  const AStarResult found =
+      astar_.search(cost_map_.weights(), cost_map_.toWindow(start), cost_map_.toWindow(goal),
+                    params_.goal_tolerance_m / params_.grid.cell_m);
+  if (found.status != AStarResult::Status::kFound) {
+    plan.status = LidarPlan::Status::kNoPath;
+    plan.reason = reasonOf(found.status);
+    return;
+  }
+  plan.status = LidarPlan::Status::kFound;
+  plan.reaches_goal = found.cells.back() == cost_map_.toWindow(goal);
+  plan.path = shape(found, odom_from_base, plan.reaches_goal);
+}
+
+Path2 LidarPlanner::shape(const AStarResult& found, const Pose2& odom_from_base, bool at_goal) const {
+  std::vector<Eigen::Vector2d> corners;
+  for (const Cell cell : straighten(cost_map_.weights(), found.cells)) {
+    corners.push_back(grid_.centerOf({cell.x + cost_map_.origin().x, cell.y + cost_map_.origin().y}));
+  }
+  // The ends are places, not cells.
+  if (corners.size() == 1) corners.push_back(corners.front());
+  corners.front() = odom_from_base.position();
+  if (at_goal) corners.back() = goal_->position();
+  return resample(corners, params_.path_spacing_m, odom_from_base.yaw_rad);
+}
+
+}  // namespace frugal_nav
