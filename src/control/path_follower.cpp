@@ -44,9 +44,7 @@ Twist2 PathFollower::command(const Path2& path, const Pose2& odom_from_base, Sta
   Path2 line = path;
   if (path.size() == 1) line.insert(line.begin(), odom_from_base);
   const std::optional<PathPlace> here = placeOnPath(line, odom_from_base.position());
-  if (!here) return {};
-  const double left_m = std::max(here->remaining_m - params_.reached_m, 0.0);
-  if (left_m == 0.0) return {};
+  if (!here || here->remaining_m <= params_.reached_m) return {};
 
   // Near the end the point ahead would lie beyond it: the error is taken at the end instead.
   const double ahead_m = std::min(params_.look_ahead_m, here->remaining_m);
@@ -61,7 +59,7 @@ Twist2 PathFollower::command(const Path2& path, const Pose2& odom_from_base, Sta
   if (fade == 0.0) {
     return {0.0, std::clamp(params_.k_turn * off, -params_.max_turn_radps, params_.max_turn_radps)};
   }
-  return {std::min(params_.cruise_mps, params_.k_end * left_m) * fade, turn};
+  return {std::min(params_.cruise_mps, params_.k_end * here->remaining_m) * fade, turn};
 }
 
 }  // namespace frugal_nav
