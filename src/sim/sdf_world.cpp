@@ -26,37 +26,48 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is wrong with a file's XML, with file and line; empty when it is sound. libsdformat's own errors do
-/// not carry the line.
+/// Why a file is no SDF, with file and line; empty when it is. libsdformat tells that only on the terminal.
 std::string findXmlFault(const std::string& path) {
   tinyxml2::XMLDocument document;
-  if (document.LoadFile(path.c_str()) == tinyxml2::XML_SUCCESS) return {};
-  return path + ":" + std::to_string(document.ErrorLineNum()) + ": broken XML: " + document.ErrorStr();
+  if (document.LoadFile(path.c_str()) != tinyxml2::XML_SUCCESS) {
+    return path + ":" + std::to_string(document.ErrorLineNum()) + ": broken XML: " + document.ErrorStr();
+  }
+  const tinyxml2::XMLElement* root = document.RootElement();
+  if (std::string(root->Name()) == "sdf" && root->Attribute("version") != nullptr) return {};
+  return path + ":" + std::to_string(root->GetLineNum()) + ": begins with <" + root->Name() +
+         "> instead of <sdf version='...'>";
 }
 
-/// An included model's folder; notes what the parser will read there.
+/// Why an included model cannot be read; empty when it can. Notes the files that the parser will read.
+std::string findModelFault(const fs::path& folder, SceneBuilder& builder) {
+  bool has_sdf = false;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string extension = entry.path().extension().string();
+    if (extension == ".sdf") has_sdf = true;
+    if (extension == ".sdf" || extension == ".config") builder.noteFile(entry.path().string());
+  }
+  if (!has_sdf) return folder.string() + " holds no .sdf file";
+  const fs::path model = folder / "model.sdf";
+  return fs::exists(model) ? findXmlFault(model.string()) : "";
+}
+
+/// The folder or file of an included model; empty when it cannot be read, for then the parser goes on without
+/// it.
 std::string findInclude(const std::string& uri, const std::string& world_folder, SceneBuilder& builder) {
   const auto found = builder.resources().find(uri, world_folder);
   if (!found) {
     builder.warnMissing("included " + uri +
-                        " is missing: looked in GAZEBO_MODEL_PATH, ROS_PACKAGE_PATH and "
-                        "beside the world");
+                        " is missing: looked in GAZEBO_MODEL_PATH, ROS_PACKAGE_PATH and beside the world");
     return {};
   }
   if (!fs::is_directory(*found)) {
     builder.noteFile(*found);
     return *found;
   }
-  for (const auto& entry : fs::directory_iterator(*found)) {
-    const std::string extension = entry.path().extension().string();
-    if (extension == ".sdf" || extension == ".config") builder.noteFile(entry.path().string());
-  }
-  const fs::path model = fs::path(*found) / "model.sdf";
-  if (fs::exists(model)) {
-    const std::string fault = findXmlFault(model.string());
-    if (!fault.empty()) builder.warn(fault);
-  }
-  return *found;
+  const std::string fault = findModelFault(*found, builder);
+  if (fault.empty()) return *found;
+  builder.warnMissing("included " + uri + " cannot be read: " + fault);
+  return {};
 }
 
 std::string describe(const sdf::Error& error) {
@@ -141,7 +152,10 @@ LoadedWorld loadWorld(const std::string& path, const ResourcePath& resources) {
     throw ConfigError(path + " has no <world> that can be read" +
                       (errors.empty() ? "" : ": " + describe(errors.front())));
   }
-  for (const sdf::Error& error : errors) builder.warn(describe(error));
+  for (const sdf::Error& error : errors) {
+    const bool is_named_already = error.Message().find("Unable to find uri[") == 0;  // by findInclude
+    if (!is_named_already) builder.warn(describe(error));
+  }
   if (root.WorldCount() > 1) builder.warn(path + " has several worlds: only the first is simulated");
   const sdf::World& world = *root.WorldByIndex(0);
   addWorld(world, builder);

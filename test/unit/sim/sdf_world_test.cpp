@@ -318,7 +318,7 @@ TEST(SdfWorld, NamesFileAndLineOfABrokenIncludedModel) {
   folder.write("models/tri/model.config",
                "<?xml version='1.0'?><model><name>tri</name><sdf version='1.6'>model.sdf</sdf></model>");
   const std::string model =
-      folder.write("models/tri/model.sdf", "<?xml version='1.0'?>\n<sdf>\n<model>\n</sdf>\n");
+      folder.write("models/tri/model.sdf", "<?xml version='1.0'?>\n<sdf version='1.6'>\n<model>\n</sdf>\n");
   const LoadedWorld world = load(folder, "<include><uri>model://tri</uri></include>" +
                                              modelText("box", visualText("<box><size>1 1 1</size></box>")));
   EXPECT_TRUE(mentions(world.warnings, {model + ":3:"}));
@@ -332,7 +332,7 @@ TEST(SdfWorld, NamesAMissingFileAndAMissingWorld) {
   const std::string empty = folder.write("empty.world", "<?xml version='1.0'?><sdf version='1.6'></sdf>");
   EXPECT_NE(errorOf(empty).find(empty + " has no <world>"), std::string::npos);
   const std::string urdf = folder.write("robot.urdf", "<robot name='r'><link name='base_link'/></robot>");
-  EXPECT_NE(errorOf(urdf).find(urdf), std::string::npos);
+  EXPECT_NE(errorOf(urdf).find(urdf + ":1: begins with <robot>"), std::string::npos);
 }
 
 TEST(SdfWorld, NamesOnceWhatIsNotSimulated) {
