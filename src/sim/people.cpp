@@ -79,12 +79,17 @@ Figure walking(const PersonBody& body, double walked_m) {
   const double stride = 1.5 * leg;
   constexpr double kSwingLift_m = 0.09;
   Figure figure;
-  figure.hip_z_m = body.ankle_m + 0.995 * std::sqrt(leg * leg - 0.0625 * stride * stride);
-  figure.lean = 0.04;
-  for (std::size_t side = 0; side < 2; ++side) {
+  const auto phaseOf = [&](std::size_t side) {
     // A quarter cycle into its stand the foot passes below the hips: both legs are closest at no distance.
     const double cycle = walked_m / stride + 0.25 + 0.5 * static_cast<double>(side);
-    const double phase = cycle - std::floor(cycle);
+    return cycle - std::floor(cycle);
+  };
+  // The hips swing over the standing leg, which stays nearly straight.
+  const double standing_ahead = stride * (0.25 - std::min(phaseOf(0), phaseOf(1)));
+  figure.hip_z_m = body.ankle_m + 0.99 * std::sqrt(leg * leg - standing_ahead * standing_ahead);
+  figure.lean = 0.04;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const double phase = phaseOf(side);
     double ahead = stride * (0.25 - phase);
     double lift = 0.0;
     if (phase > 0.5) {

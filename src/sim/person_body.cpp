@@ -14,7 +14,7 @@ constexpr double kCommonHeight_m = 1.75;
 
 /// Indices into Scene::materials.
 struct BodyMaterials {
-  int face, skin, hair, shirt, trousers, shoes;
+  int face, skin, hair, shirt, sleeve, trousers, shoes;
 };
 
 int addMaterial(const std::string& name, const Eigen::Vector3f& color, Scene& scene) {
@@ -39,6 +39,10 @@ BodyMaterials addMaterials(const PersonLook& look, const std::string& name, Scen
   materials.skin = addMaterial(name + "/skin", look.skin, scene);
   materials.hair = addMaterial(name + "/hair", paintHair(look.hair, look.grain), scene);
   materials.shirt = addMaterial(name + "/shirt", paintShirt(look), scene);
+  // What is printed on the breast is not on the sleeves.
+  const bool on_breast = look.pattern == ShirtPattern::kPrint || look.pattern == ShirtPattern::kOpenJacket;
+  materials.sleeve =
+      on_breast ? addMaterial(name + "/sleeve", paintCloth(look.shirt, look.grain), scene) : materials.shirt;
   materials.trousers = addMaterial(name + "/trousers", paintCloth(look.trousers, look.grain), scene);
   materials.shoes = addMaterial(name + "/shoes", look.shoes, scene);
   return materials;
@@ -136,7 +140,9 @@ void addHair(const PersonLook& look, const BodyMaterials& materials, Mesh& mesh)
       const double fall = -latitude / (0.5 * M_PI);
       const Eigen::Vector3d at = headPoint(longitude, 0.0);
       const Eigen::Vector3d out(at.x(), at.y(), 0.0);
-      const double width = fall > 0.99 ? 0.0 : out.norm() + grown - 0.012 * fall;
+      constexpr double kBehindFace_m = 0.03;  // where none grows the curtain's ends meet inside the neck
+      const double hanging = kBehindFace_m + share * (out.norm() + grown - 0.012 * fall - kBehindFace_m);
+      const double width = fall > 0.99 ? 0.0 : hanging;
       return Eigen::Vector3d(out.normalized() * width - Eigen::Vector3d(0.012 * fall, 0, kLength * fall));
     }
     const Eigen::Vector3d at = headPoint(longitude, latitude);
@@ -176,10 +182,11 @@ Mesh makeTorso(const PersonLook& look, const BodyMaterials& m, double hip) {
            {1.050 - hip, belly, (waist + 0.010) * g, 0.004, m.shirt},
            {1.130 - hip, belly, waist * g, 0.006, m.shirt},
            {1.250 - hip, 0.114 * g, 0.162 * wide * g, 0.008, m.shirt},
-           {1.340 - hip, 0.110 * g, 0.176 * wide * g, 0.0, m.shirt},
-           {1.410 - hip, 0.084, 0.170 * wide, -0.006, m.shirt},
-           {1.445 - hip, 0.068, 0.125 * wide, -0.008, m.shirt},
-           {1.468 - hip, 0.060, 0.078, -0.006, m.shirt},
+           {1.340 - hip, 0.110 * g, 0.174 * wide * g, 0.002, m.shirt},
+           {1.390 - hip, 0.092, 0.196 * wide, -0.004, m.shirt},
+           {1.418 - hip, 0.075, 0.172 * wide, -0.007, m.shirt},
+           {1.446 - hip, 0.064, 0.112 * wide, -0.008, m.shirt},
+           {1.470 - hip, 0.059, 0.070, -0.006, m.shirt},
            {1.482 - hip, 0.058, 0.062, -0.004, m.skin},
            {1.484 - hip, 0.053, 0.056, -0.004, m.skin},
            {1.510 - hip, 0.051, 0.053, 0.002, m.skin},
@@ -190,17 +197,17 @@ Mesh makeTorso(const PersonLook& look, const BodyMaterials& m, double hip) {
 
 Mesh makeUpperArm(const PersonLook& look, const BodyMaterials& m, double length) {
   const double g = look.girth;
-  const int lower = look.long_sleeves ? m.shirt : m.skin;
+  const int lower = look.long_sleeves ? m.sleeve : m.skin;
   const double sleeve = look.long_sleeves ? 1.0 : 0.88;
   Mesh mesh;
   addLoft({{-length - 0.02, 0.036 * g * sleeve, 0.036 * g * sleeve, 0.0, lower},
            {-length, 0.043 * g * sleeve, 0.042 * g * sleeve, 0.0, lower},
            {-0.170, 0.048 * g * sleeve, 0.046 * g * sleeve, 0.0, lower},
-           {-0.165, 0.053 * g, 0.050 * g, 0.0, m.shirt},
-           {-0.060, 0.058 * g, 0.052 * g, 0.0, m.shirt},
-           {0.000, 0.058, 0.052, 0.0, m.shirt},
-           {0.030, 0.048, 0.044, 0.0, m.shirt},
-           {0.045, 0.028, 0.030, -0.002, m.shirt}},
+           {-0.165, 0.053 * g, 0.050 * g, 0.0, m.sleeve},
+           {-0.060, 0.057 * g, 0.051 * g, 0.0, m.sleeve},
+           {-0.015, 0.053, 0.049, 0.0, m.sleeve},
+           {0.010, 0.042, 0.039, -0.001, m.sleeve},
+           {0.026, 0.022, 0.022, -0.002, m.sleeve}},
           12, 2.0, mesh);
   return mesh;
 }
@@ -208,7 +215,7 @@ Mesh makeUpperArm(const PersonLook& look, const BodyMaterials& m, double length)
 /// Forearm and hand, the thumb ahead.
 Mesh makeForearm(const PersonLook& look, const BodyMaterials& m, double length) {
   const double g = look.girth;
-  const int sleeve = look.long_sleeves ? m.shirt : m.skin;
+  const int sleeve = look.long_sleeves ? m.sleeve : m.skin;
   const double cloth = look.long_sleeves ? 1.0 : 0.86;
   Mesh mesh;
   addLoft({{-length - 0.185, 0.012, 0.007, 0.004, m.skin},
@@ -294,7 +301,7 @@ void addPair(Mesh mesh, double scale, Scene& scene, Model& model, int (&pair)[2]
 
 PersonBody addBody(const PersonLook& look, const std::string& name, Scene& scene) {
   // Heights of the joints of a common body [m].
-  constexpr double kHip = 0.8925, kKnee = 0.481, kAnkle = 0.08, kShoulder = 1.405, kNeck = 1.475;
+  constexpr double kHip = 0.8925, kKnee = 0.481, kAnkle = 0.08, kShoulder = 1.388, kNeck = 1.475;
   constexpr double kUpperArm = 0.285, kForearm = 0.255;
   const double scale = look.height_m / kCommonHeight_m;
   const double head_scale = std::sqrt(scale);  // heads vary less than bodies
@@ -320,7 +327,7 @@ PersonBody addBody(const PersonLook& look, const std::string& name, Scene& scene
   body.ankle_m = kAnkle * scale;
   body.neck_height_m = kNeck * scale;
   body.shoulder_height_m = kShoulder * scale;
-  body.shoulder_offset_m = ((look.broad_shoulders ? 0.176 : 0.158) * look.girth + 0.018) * scale;
+  body.shoulder_offset_m = ((look.broad_shoulders ? 0.174 : 0.157) * look.girth + 0.004) * scale;
   body.upper_arm_m = kUpperArm * scale;
   scene.models.push_back(std::move(model));
   body.model = static_cast<int>(scene.models.size()) - 1;

@@ -176,7 +176,7 @@ Texture paintShirt(const PersonLook& look) {
           if (std::hypot(u - 0.5, 0.6 * (v - 0.66)) < print_u) color = look.shirt_second;
           break;
         case ShirtPattern::kOpenJacket:
-          if (std::abs(u - 0.5) < 0.015 + 0.075 * v) color = look.shirt_second;
+          if (std::abs(u - 0.5) < 0.025 + 0.035 * v) color = look.shirt_second;
           break;
       }
       const bool breast_seam = look.pattern != ShirtPattern::kOpenJacket && std::abs(u - 0.5) < 0.004;

@@ -1,0 +1,101 @@
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include <frugal_nav/common/laser_scan.hpp>
+
+namespace frugal_nav {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+LaserScan soundScan() {
+  LaserScan scan;
+  scan.angle_min_rad = -M_PI;
+  scan.angle_increment_rad = 2.0 * M_PI / 360;
+  scan.range_min_m = 0.15;
+  scan.range_max_m = 12.0;
+  scan.ranges_m.assign(360, 2.0F);
+  return scan;
+}
+
+void expectFault(const LaserScan& scan, const std::string& about) {
+  const auto fault = findFault(scan);
+  ASSERT_TRUE(fault.has_value()) << about;
+  EXPECT_NE(fault->find(about), std::string::npos) << *fault;
+}
+
+TEST(LaserScan, ClassifiesByRep117) {
+  const LaserScan scan = soundScan();
+  EXPECT_EQ(classify(scan, 2.0F), Return::kHit);
+  EXPECT_EQ(classify(scan, kInf), Return::kFree);
+  EXPECT_EQ(classify(scan, -kInf), Return::kTooClose);
+  EXPECT_EQ(classify(scan, 0.1F), Return::kTooClose);
+  EXPECT_EQ(classify(scan, 0.0F), Return::kTooClose);
+  EXPECT_EQ(classify(scan, 12.5F), Return::kUnknown);
+  EXPECT_EQ(classify(scan, kNan), Return::kUnknown);
+}
+
+TEST(LaserScan, SoundScanHasNoFault) {
+  EXPECT_FALSE(findFault(soundScan()).has_value());
+  LaserScan nothing_near = soundScan();
+  nothing_near.ranges_m.assign(360, kInf);
+  EXPECT_FALSE(findFault(nothing_near).has_value());
+}
+
+TEST(LaserScan, AcceptsOneRepeatedDirection) {
+  LaserScan scan = soundScan();
+  scan.ranges_m.assign(361, 1.0F);
+  EXPECT_FALSE(findFault(scan).has_value());
+  scan.ranges_m.assign(400, 1.0F);
+  expectFault(scan, "360 degrees");
+}
+
+TEST(LaserScan, NamesItsFault) {
+  LaserScan scan = soundScan();
+  scan.ranges_m.clear();
+  expectFault(scan, "empty");
+
+  scan = soundScan();
+  scan.ranges_m.assign(360, kNan);
+  expectFault(scan, "NaN");
+  scan.ranges_m[7] = 13.0F;  // beyond range_max says nothing either
+  expectFault(scan, "NaN");
+
+  scan = soundScan();
+  scan.angle_increment_rad = 0.0;
+  expectFault(scan, "angle_increment");
+  scan.angle_increment_rad = NAN;
+  expectFault(scan, "angle_increment");
+
+  scan = soundScan();
+  scan.range_max_m = 0.1;
+  expectFault(scan, "range_min");
+  scan.range_max_m = NAN;
+  expectFault(scan, "range_min");
+  scan = soundScan();
+  scan.range_min_m = -1.0;
+  expectFault(scan, "range_min");
+}
+
+TEST(LaserScan, AcceptsAClockwiseScanner) {
+  LaserScan scan = soundScan();
+  scan.angle_min_rad = M_PI;
+  scan.angle_increment_rad = -scan.angle_increment_rad;
+  EXPECT_FALSE(findFault(scan).has_value());
+}
+
+TEST(ObstaclePoints, AreInTheBaseFrameAndKeepWhatIsTooClose) {
+  LaserScan scan = soundScan();
+  scan.angle_min_rad = 0.0;
+  scan.angle_increment_rad = M_PI / 2;
+  scan.ranges_m = {1.0F, kInf, -kInf, kNan};
+  const auto points = obstaclePoints(scan, Pose2{0.1, 0.2, M_PI / 2});
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_LT((points[0] - Eigen::Vector2d(0.1, 1.2)).norm(), 1e-7);  // float ranges
+  EXPECT_LT((points[1] - Eigen::Vector2d(0.1, 0.2 - 0.15)).norm(), 1e-7);
+}
+
+}  // namespace
+}  // namespace frugal_nav
