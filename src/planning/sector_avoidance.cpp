@@ -78,33 +78,27 @@ SectorRing SectorAvoidance::block(const Blocking& rule, const LocalPlannerInput&
   return ring;
 }
 
-/// The free direction nearest to the wanted one; of equal ones the nearest to the previous direction.
+/// The free direction nearest to the wanted one; of two equal ones, left and right of it, the nearer to the
+/// previous direction.
 std::optional<double> SectorAvoidance::choose(const SectorRing& ring, double wanted_rad,
                                               double max_detour_rad, double heading_rad) const {
   if (ring.isFree(ring.sectorOf(wanted_rad))) return wanted_rad;
-  const double previous = previous_odom_rad_ ? angleBetween(heading_rad, *previous_odom_rad_) : wanted_rad;
-  std::optional<double> nearest;
+  std::optional<double> left;
+  std::optional<double> right;
   for (int i = 0; i < ring.size(); ++i) {
-    const double bearing = ring.bearingOf(i);
-    if (!ring.isFree(i) || std::abs(angleBetween(wanted_rad, bearing)) > max_detour_rad) continue;
-    if (!nearest ||
-        std::abs(angleBetween(wanted_rad, bearing)) < std::abs(angleBetween(wanted_rad, *nearest))) {
-      nearest = bearing;
-    }
+    const double detour = angleBetween(wanted_rad, ring.bearingOf(i));
+    if (!ring.isFree(i) || std::abs(detour) > max_detour_rad) continue;
+    std::optional<double>& side = detour > 0.0 ? left : right;
+    if (!side || std::abs(detour) < std::abs(*side)) side = detour;
   }
-  if (!nearest) return std::nullopt;
-  const double detour = std::abs(angleBetween(wanted_rad, *nearest));
-  double chosen = *nearest;
-  for (int i = 0; i < ring.size(); ++i) {
-    const double bearing = ring.bearingOf(i);
-    const double other = std::abs(angleBetween(wanted_rad, bearing));
-    if (!ring.isFree(i) || other > max_detour_rad || other >= detour + params_.tie_rad) continue;
-    // Only across the wanted direction is there a choice; on the same side nearer is nearer.
-    if (angleBetween(wanted_rad, bearing) * angleBetween(wanted_rad, *nearest) > 0.0) continue;
-    if (std::abs(angleBetween(previous, bearing)) < std::abs(angleBetween(previous, chosen)))
-      chosen = bearing;
+  if (!left && !right) return std::nullopt;
+  if (!left || !right) return wrapAngle(wanted_rad + (left ? *left : *right));
+  bool goes_left = *left <= -*right;
+  if (std::abs(*left + *right) < params_.tie_rad && previous_odom_rad_) {
+    const double previous = angleBetween(wanted_rad, angleBetween(heading_rad, *previous_odom_rad_));
+    goes_left = std::abs(angleBetween(previous, *left)) <= std::abs(angleBetween(previous, *right));
   }
-  return chosen;
+  return wrapAngle(wanted_rad + (goes_left ? *left : *right));
 }
 
 SectorAvoidance::Decision SectorAvoidance::decide(const LocalPlannerInput& input, const Wanted& wanted,

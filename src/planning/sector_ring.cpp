@@ -6,7 +6,7 @@
 namespace frugal_nav {
 namespace {
 
-constexpr double kRounding_rad = 1e-9;  // so that a centre exactly on the limit counts as within it
+constexpr double kRounding_rad = 1e-4;  // a centre on the limit is within it, also when 25 degrees are 0.4363
 
 int wrapSector(int sector, int size) {
   const int rest = sector % size;

@@ -12,7 +12,7 @@
 namespace frugal_nav {
 
 struct CostMapParams {
-  double lethal_margin_m = 0.07;
+  double lethal_margin_m = 0.08;
   double inflation_m = 0.60;
   double clearance_weight = 4.0;
   double unknown_weight = 2.0;

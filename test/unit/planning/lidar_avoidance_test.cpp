@@ -1,0 +1,196 @@
+#include "flat_world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <frugal_nav/planning/corridor.hpp>
+#include <frugal_nav/planning/lidar_avoidance.hpp>
+#include <frugal_nav/planning/lidar_planner.hpp>
+
+namespace frugal_nav {
+namespace {
+
+using planning_test::FlatWorld;
+using planning_test::kBody;
+using Status = MotionCommand::Status;
+using Holds = MotionCommand::Holds;
+
+Odometry odometryAt(const Pose2& pose) {
+  Odometry odometry;
+  odometry.odom_from_base = pose;
+  return odometry;
+}
+
+/// Points every 0.1 m along straight lines.
+Path2 pathThrough(const std::vector<Eigen::Vector2d>& corners) {
+  Path2 path;
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const int pieces = static_cast<int>(std::lround((corners[i + 1] - corners[i]).norm() / 0.1));
+    for (int k = 0; k <= pieces; ++k) {
+      const Eigen::Vector2d p = corners[i] + (corners[i + 1] - corners[i]) * k / pieces;
+      path.push_back({p.x(), p.y(), 0.0});
+    }
+  }
+  return path;
+}
+
+class LidarAvoidanceTest : public testing::Test {
+ protected:
+  MotionCommand update(const Pose2& pose, double stamp_s = 0.0) {
+    return avoidance.update(world.scan(pose, stamp_s), {}, odometryAt(pose));
+  }
+
+  LidarAvoidanceParams params;
+  LidarAvoidance avoidance{params, kBody};
+  FlatWorld world = FlatWorld().box(-3.0, -3.0, 6.0, 3.0);
+};
+
+TEST_F(LidarAvoidanceTest, IdlesWithoutGoalButKnowsTheClearSide) {
+  world.wall(0.6, -3.0, 0.6, 3.0).wall(-3.0, -0.6, 0.6, -0.6);
+  const MotionCommand command = update({}, 1.5);
+  EXPECT_EQ(command.status, Status::kIdle);
+  EXPECT_EQ(command.holds, Holds::kNothing);
+  EXPECT_EQ(command.stamp, stampFromSeconds(1.5));
+  EXPECT_GT(command.clear_bearing_rad, 1.5);
+}
+
+TEST_F(LidarAvoidanceTest, FollowsThePathToItsLookAheadPoint) {
+  avoidance.setGoal(Pose2{3.0, 2.0, 0.0});
+  avoidance.setPath(stampFromSeconds(0.0), pathThrough({{0, 0}, {0, 2}, {3, 2}}));
+  const MotionCommand command = update({0.0, 0.0, M_PI / 2});
+  EXPECT_EQ(command.status, Status::kDriving);
+  EXPECT_NEAR(command.odom_from_target.x_m, 0.0, 1e-9);
+  EXPECT_NEAR(command.odom_from_target.y_m, 0.5, 1e-9);  // a step toward the point 0.8 m along
+}
+
+TEST_F(LidarAvoidanceTest, LooksNoFartherThanItSees) {
+  // Round the corner of a wall: the point 0.8 m along lies behind it.
+  world.box(-2.0, 0.4, -0.25, 2.0);
+  avoidance.setGoal(Pose2{-0.7, 0.1, 0.0});
+  const Path2 corner = pathThrough({{0.0, 1.0}, {0.0, 0.1}, {-0.8, 0.1}});
+  avoidance.setPath(stampFromSeconds(0.0), corner);
+  const MotionCommand command = update({0.0, 0.6, -M_PI / 2});
+  ASSERT_EQ(command.status, Status::kDriving);
+  // Down along the wall, not across its corner.
+  EXPECT_GT(command.odom_from_target.x_m, -0.12);
+  EXPECT_LT(command.odom_from_target.y_m, 0.45);
+}
+
+TEST_F(LidarAvoidanceTest, HeadsForTheGoalWithoutAPathWhenToldSo) {
+  params.use_path = false;
+  avoidance = LidarAvoidance(params, kBody);
+  avoidance.setGoal(Pose2{0.0, -2.0, 0.0});
+  const MotionCommand command = update({});
+  EXPECT_EQ(command.status, Status::kDriving);
+  EXPECT_NEAR(command.odom_from_target.y_m, -0.5, 1e-9);
+}
+
+TEST_F(LidarAvoidanceTest, StopsWithoutAPath) {
+  avoidance.setGoal(Pose2{3.0, 0.0, 0.0});
+  const MotionCommand none = update({}, 1.0);
+  EXPECT_EQ(none.status, Status::kStopped);
+  EXPECT_EQ(none.reason, "no path from the planner yet");
+  avoidance.setPath(stampFromSeconds(1.0), pathThrough({{0, 0}, {3, 0}}));
+  EXPECT_EQ(update({}, 1.5).status, Status::kDriving);
+  const MotionCommand stale = update({}, 1.51);
+  EXPECT_EQ(stale.status, Status::kStopped);
+  EXPECT_EQ(stale.holds, Holds::kNothing);
+  EXPECT_EQ(stale.reason, "no path from the planner for 0.51 s");
+}
+
+TEST_F(LidarAvoidanceTest, EmptyPathIsABlockedWay) {
+  avoidance.setGoal(Pose2{3.0, 0.0, 0.0});
+  avoidance.setPath(stampFromSeconds(1.0), {});
+  const MotionCommand command = update({}, 1.0);
+  EXPECT_EQ(command.status, Status::kBlocked);
+  EXPECT_EQ(command.holds, Holds::kNothing);
+  EXPECT_EQ(command.reason, "the planner has no path to the goal");
+}
+
+TEST_F(LidarAvoidanceTest, NamesBadInputs) {
+  avoidance.setGoal(Pose2{3.0, 0.0, 0.0});
+  avoidance.setPath(stampFromSeconds(0.0), pathThrough({{0, 0}, {3, 0}}));
+  LaserScan scan = world.scan({});
+  scan.angle_increment_rad = 0.0;
+  MotionCommand command = avoidance.update(scan, {}, odometryAt({}));
+  EXPECT_EQ(command.status, Status::kStopped);
+  EXPECT_EQ(command.reason, "angle_increment is zero");
+  command = avoidance.update(world.scan({}), {}, odometryAt({std::nan(""), 0.0, 0.0}));
+  EXPECT_EQ(command.reason, "the odometry is not finite");
+  avoidance.setPath(stampFromSeconds(0.0), {{std::nan(""), 0.0, 0.0}});
+  EXPECT_EQ(update({}).reason, "the path is not finite");
+  avoidance.setGoal(Pose2{std::nan(""), 0.0, 0.0});
+  EXPECT_EQ(update({}).reason, "the goal is not finite");
+}
+
+TEST_F(LidarAvoidanceTest, ResetForgetsThePath) {
+  avoidance.setGoal(Pose2{3.0, 0.0, 0.0});
+  avoidance.setPath(stampFromSeconds(100.0), pathThrough({{0, 0}, {3, 0}}));
+  avoidance.reset();
+  EXPECT_EQ(update({}, 1.0).reason, "no path from the planner yet");
+}
+
+TEST(Corridor, IsFreeBesideAndBeyondItsStrip) {
+  const Corridor corridor{{1.0, 0.0}, 0.2, 0.1};
+  EXPECT_TRUE(isFree(corridor, {{0.5, 0.21}, {0.5, -0.21}, {1.11, 0.0}, {-0.1, 0.0}}));
+  EXPECT_FALSE(isFree(corridor, {{0.5, 0.19}}));
+  EXPECT_FALSE(isFree(corridor, {{1.09, 0.0}}));
+  EXPECT_TRUE(isFree({{0.0, 0.0}, 0.2, 0.1}, {{0.01, 0.0}}));
+}
+
+/// A point robot that goes to each target at 0.3 m/s, planned and scanned at 10 Hz. Returns its least
+/// distance from a wall, or nothing when it does not arrive within the time.
+std::optional<double> driveTo(const FlatWorld& world, const Pose2& goal, double seconds) {
+  LidarPlanner planner{LidarPlannerParams{}, kBody};
+  LidarAvoidance avoidance{LidarAvoidanceParams{}, kBody};
+  planner.setGoal(goal);
+  avoidance.setGoal(goal);
+  Pose2 pose;
+  double least = 1e9;
+  for (double t = 0.0; t < seconds; t += 0.1) {
+    const LaserScan scan = world.scan(pose, t);
+    const LidarPlan plan = planner.update(scan, {}, pose);
+    avoidance.setPath(plan.stamp, plan.path);
+    const MotionCommand command = avoidance.update(scan, {}, odometryAt(pose));
+    if (command.holds == Holds::kTarget) {
+      const Eigen::Vector2d way = command.odom_from_target.position() - pose.position();
+      const double length = std::max(way.norm(), 1e-6);
+      const Eigen::Vector2d moved = pose.position() + way * std::min(1.0, 0.03 / length);
+      pose = {moved.x(), moved.y(), std::atan2(way.y(), way.x())};
+    }
+    least = std::min(least, world.clearance(pose.position()));
+    if (distance(pose, goal) < 0.1) return least;
+  }
+  return std::nullopt;
+}
+
+TEST(LidarPlannerAndAvoidance, DriveThroughASixtyCentimetreDoor) {
+  const FlatWorld world =
+      FlatWorld().box(-1.0, -2.0, 5.0, 2.0).box(2.0, -2.0, 2.2, 0.5).box(2.0, 1.1, 2.2, 2.0);
+  const std::optional<double> least = driveTo(world, {4.0, -1.0, 0.0}, 40.0);
+  ASSERT_TRUE(least);
+  EXPECT_GT(*least, kBody.circumradius_m);
+}
+
+TEST(LidarPlannerAndAvoidance, DriveThroughAZigzagPassage) {
+  // Two walls 0.7 m apart with their openings at opposite ends.
+  const FlatWorld world =
+      FlatWorld().box(-1.0, -1.5, 4.0, 1.5).box(1.5, -1.5, 1.6, 0.8).box(2.3, -0.8, 2.4, 1.5);
+  const std::optional<double> least = driveTo(world, {3.4, 0.0, 0.0}, 60.0);
+  ASSERT_TRUE(least);
+  // Past the corners of the walls it may come as near as the line of sight, less half a cell.
+  EXPECT_GT(*least, kBody.half_width_m + 0.055);
+}
+
+TEST(LidarPlannerAndAvoidance, LeaveADeadEnd) {
+  const FlatWorld world = FlatWorld()
+                              .box(-2.0, -3.0, 6.0, 3.0)
+                              .wall(0.0, -0.6, 2.0, -0.6)
+                              .wall(0.0, 0.6, 2.0, 0.6)
+                              .wall(2.0, -0.6, 2.0, 0.6);
+  const std::optional<double> least = driveTo(world, {4.0, 0.0, 0.0}, 60.0);
+  ASSERT_TRUE(least);
+  EXPECT_GT(*least, kBody.circumradius_m);
+}
+
+}  // namespace
+}  // namespace frugal_nav
