@@ -102,9 +102,12 @@ double Lighting::measure(const RayTracer& tracer, const Eigen::Vector3d& p_world
   const FlushToZero flush;
   ShadePoints points;
   points.active[0] = true;
-  points.position[0] = p_world.cast<float>();
-  points.normal[0] = points.face_normal[0] = Eigen::Vector3f::UnitZ();
-  const Eigen::Vector3f light = illuminate(tracer, *this, points)[0];
+  for (int lane = 0; lane < kLanes; ++lane) {  // the others only keep the arithmetic defined
+    setLane(points.position, lane, p_world.cast<float>());
+    setLane(points.normal, lane, Eigen::Vector3f::UnitZ());
+    setLane(points.face_normal, lane, Eigen::Vector3f::UnitZ());
+  }
+  const Eigen::Vector3f light = getLane(illuminate(tracer, *this, points), 0);
   return static_cast<double>(light.dot(Eigen::Vector3f(0.2126F, 0.7152F, 0.0722F)));  // luminance, Rec. 709
 }
 

@@ -67,22 +67,21 @@ class TileRenderer {
 
   void renderPacket(const Packet& packet) const {
     const float weight = 1.0F / static_cast<float>(eyes_.size());
-    std::array<Eigen::Vector3f, kLanes> sum;
-    sum.fill(Eigen::Vector3f::Zero());
+    Lanes3 sum = {Lanes::Zero(), Lanes::Zero(), Lanes::Zero()};
     for (std::size_t s = 0; s < eyes_.size(); ++s) {
       const bool depth_here = with_depth_ && s == eyes_.size() / 2;
-      const std::array<Eigen::Vector3f, kLanes> seen = look(packet, eyes_[s], depth_here);
-      for (std::size_t lane = 0; lane < kLanes; ++lane) sum[lane] += seen[lane];
+      const Lanes3 seen = look(packet, eyes_[s], depth_here);
+      for (std::size_t i = 0; i < 3; ++i) sum[i] += seen[i];
     }
     for (int lane = 0; lane < kLanes; ++lane) {
       if (inside(packet, lane)) {
-        image_.light_lx[pixel(packet, lane)] = weight * sum[static_cast<std::size_t>(lane)];
+        image_.light_lx[pixel(packet, lane)] = weight * getLane(sum, lane);
       }
     }
   }
 
   /// Light that eight pixels see from one eye.
-  std::array<Eigen::Vector3f, kLanes> look(const Packet& packet, const Eye& eye, bool with_depth) const {
+  Lanes3 look(const Packet& packet, const Eye& eye, bool with_depth) const {
     alignas(32) int active[kLanes] = {};
     RTCRayHit8 rays;
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -114,14 +113,15 @@ class TileRenderer {
     rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
   }
 
-  std::array<Eigen::Vector3f, kLanes> shade(const Packet& packet, const int* active, const RTCRayHit8& rays,
-                                            bool with_depth) const {
+  Lanes3 shade(const Packet& packet, const int* active, const RTCRayHit8& rays, bool with_depth) const {
     ShadePoints points;
     std::array<SurfacePoint, kLanes> surfaces;
     for (int lane = 0; lane < kLanes; ++lane) {
       const auto i = static_cast<std::size_t>(lane);
       points.active[i] = rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
       if (!points.active[i]) {
+        setLane(points.position, lane, Eigen::Vector3f::Zero());  // keeps the arithmetic of all lanes defined
+        setLane(points.normal, lane, Eigen::Vector3f::UnitZ());
         if (with_depth && active[lane] != 0) storeDepth(packet, lane, kNothing, 0.0F);
         continue;
       }
@@ -130,19 +130,21 @@ class TileRenderer {
       const Eigen::Vector3f direction(rays.ray.dir_x[lane], rays.ray.dir_y[lane], rays.ray.dir_z[lane]);
       surfaces[i] = view_.tracer.surfaces().at(view_.tracer.resolve(rays, lane), rays.hit.u[lane],
                                                rays.hit.v[lane], direction, depth / view_.lens.focal_px());
-      points.position[i] = origin + depth * direction;
-      points.normal[i] = surfaces[i].normal_world;
-      points.face_normal[i] = surfaces[i].face_normal;
+      setLane(points.position, lane, origin + depth * direction);
+      setLane(points.normal, lane, surfaces[i].normal_world);
+      setLane(points.face_normal, lane, surfaces[i].face_normal);
       if (with_depth) {
         storeDepth(packet, lane, depth, -surfaces[i].face_normal.dot(direction) / direction.norm());
       }
     }
-    std::array<Eigen::Vector3f, kLanes> light = illuminate(view_.tracer, view_.lighting, points);
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      light[i] =
-          points.active[i]
-              ? Eigen::Vector3f(light[i].cwiseProduct(surfaces[i].albedo) + lamp_lx_ * surfaces[i].emission)
-              : background_lx_;
+    Lanes3 light = illuminate(view_.tracer, view_.lighting, points);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const auto i = static_cast<std::size_t>(lane);
+      const Eigen::Vector3f reflected = getLane(light, lane);
+      setLane(light, lane,
+              points.active[i] ? Eigen::Vector3f(reflected.cwiseProduct(surfaces[i].albedo) +
+                                                 lamp_lx_ * surfaces[i].emission)
+                               : background_lx_);
     }
     return light;
   }

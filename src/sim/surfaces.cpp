@@ -56,7 +56,7 @@ Surfaces::Surfaces(const Scene& scene) : scene_(scene) {
   }
 }
 
-std::vector<Surfaces::Level> Surfaces::pyramid(const Texture& texture) {
+std::vector<Surfaces::Level> Surfaces::pyramid(const Texture& texture) const {
   Level base{texture.width_px, texture.height_px, {}};
   for (std::size_t i = 0; i + 2 < texture.rgb.size(); i += 3) {
     base.rgbx.push_back(packTexel(texture.rgb[i], texture.rgb[i + 1], texture.rgb[i + 2]));
@@ -72,10 +72,7 @@ std::vector<Surfaces::Level> Surfaces::pyramid(const Texture& texture) {
           for (const int dx : {0, 1}) {
             const int row = std::min(2 * y + dy, fine.height - 1);
             const int column = std::min(2 * x + dx, fine.width - 1);
-            const std::uint32_t t = fine.rgbx[static_cast<std::size_t>(row * fine.width + column)];
-            sum += Eigen::Vector3f(linearFromSrgb(static_cast<float>(t & 255U) / 255.0F),
-                                   linearFromSrgb(static_cast<float>(t >> 8U & 255U) / 255.0F),
-                                   linearFromSrgb(static_cast<float>(t >> 16U & 255U) / 255.0F));
+            sum += linearTexel(fine.rgbx[static_cast<std::size_t>(row * fine.width + column)]);
           }
         }
         const Eigen::Vector3f srgb = (0.25F * sum).unaryExpr(&srgbFromLinear);
@@ -146,17 +143,16 @@ Eigen::Vector3f Surfaces::sampleTexture(const std::vector<Level>& levels, const 
 Eigen::Vector3f Surfaces::sampleLevel(const Level& level, float u, float v) const {
   const float x = u * static_cast<float>(level.width) - 0.5F + static_cast<float>(level.width);
   const float y = (1.0F - v) * static_cast<float>(level.height) - 0.5F + static_cast<float>(level.height);
-  const int column = static_cast<int>(x);
+  const int column = static_cast<int>(x);  // in [0, 2 * width): the texture repeats
   const int row = static_cast<int>(y);
   const float fx = x - static_cast<float>(column);
   const float fy = y - static_cast<float>(row);
-  const int x0 = column % level.width;
-  const int y0 = row % level.height;
+  const int x0 = column >= level.width ? column - level.width : column;
+  const int y0 = row >= level.height ? row - level.height : row;
   const int x1 = x0 + 1 == level.width ? 0 : x0 + 1;
   const int y1 = y0 + 1 == level.height ? 0 : y0 + 1;
   const auto texel = [&](int tx, int ty) {
-    const std::uint32_t t = level.rgbx[static_cast<std::size_t>(ty * level.width + tx)];
-    return Eigen::Vector3f(linear_[t & 255U], linear_[t >> 8U & 255U], linear_[t >> 16U & 255U]);
+    return linearTexel(level.rgbx[static_cast<std::size_t>(ty * level.width + tx)]);
   };
   const Eigen::Vector3f top = (1.0F - fx) * texel(x0, y0) + fx * texel(x1, y0);
   const Eigen::Vector3f bottom = (1.0F - fx) * texel(x0, y1) + fx * texel(x1, y1);

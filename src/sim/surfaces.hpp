@@ -49,7 +49,10 @@ class Surfaces {
 
   Eigen::Vector3f sampleTexture(const std::vector<Level>& levels, const Eigen::Vector2f& uv, float lod) const;
   Eigen::Vector3f sampleLevel(const Level& level, float u, float v) const;
-  static std::vector<Level> pyramid(const Texture& texture);
+  std::vector<Level> pyramid(const Texture& texture) const;
+  Eigen::Vector3f linearTexel(std::uint32_t texel) const {
+    return {linear_[texel & 255U], linear_[texel >> 8U & 255U], linear_[texel >> 16U & 255U]};
+  }
 
   const Scene& scene_;
   std::array<float, 256> linear_;
