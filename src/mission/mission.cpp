@@ -290,7 +290,7 @@ void Mission::startRecovery(const Odometry& odometry, const std::string& cause) 
 }
 
 void Mission::beginGoal(Stamp stamp) {
-  if (active()) finish(MissionPhase::kAborted, "preempted by a new goal");
+  if (active()) finish(MissionPhase::kCancelled, "preempted by a new goal");
   ++status_.goal_number;
   goal_start_ = activity_start_ = stamp;
   started_ = false;

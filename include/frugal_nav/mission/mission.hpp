@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -144,9 +145,10 @@ class Mission {
 
 template <class Visitor>
 void MissionParams::fields(Visitor&& visit) {
-  visit(
-      "drive_mode", drive_mode,
-      Field{"", "who drives to the goal: avoidance/command (lidar) or path (camera)", 0, 0, "lidar|camera"});
+  visit("drive_mode", drive_mode,
+        Field{"", "who drives to the goal: avoidance/command (lidar) or path (camera)",
+              -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+              "lidar|camera"});
   visit("needs_path", needs_path,
         Field{"", "false where the local planner heads for the goal itself and no planner runs"});
   visit("xy_tolerance_m", xy_tolerance_m,

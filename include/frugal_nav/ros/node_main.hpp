@@ -14,6 +14,7 @@ namespace frugal_nav {
 template <class Node>
 int runNode(int argc, char** argv, const std::string& name) {
   ros::init(argc, argv, name);
+  const ros::NodeHandle keeps_logging;  // with the last handle ROS shuts down, its log too
   try {
     Node node{ros::NodeHandle(), ros::NodeHandle("~")};
     ros::spin();

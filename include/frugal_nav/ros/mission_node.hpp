@@ -1,0 +1,97 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include <actionlib/server/action_server.h>
+#include <geometry_msgs/PoseStamped.h>
+#include <move_base_msgs/MoveBaseAction.h>
+#include <nav_msgs/Odometry.h>
+#include <nav_msgs/Path.h>
+#include <ros/ros.h>
+#include <std_srvs/SetBool.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <frugal_nav/LocalCommand.h>
+#include <frugal_nav/mission/mission.hpp>
+#include <frugal_nav/mission/waypoint_list.hpp>
+#include <frugal_nav/ros/diagnostics.hpp>
+
+namespace frugal_nav {
+
+struct MissionNodeParams {
+  std::string odom_frame = "odom";
+  std::string base_frame = "base_link";
+  std::string waypoints_file;
+  double feedback_rate_hz = 5.0;
+  MissionParams mission;
+
+  template <class Visitor>
+  void fields(Visitor&& visit) {
+    visit("odom_frame", odom_frame, Field{"", "frame of goals, path and odometry"});
+    visit("base_frame", base_frame, Field{"", "frame of mission/command"});
+    visit("waypoints_file", waypoints_file, Field{"", "tour to drive from the start; empty for none"});
+    visit("feedback_rate_hz", feedback_rate_hz,
+          Field{"Hz", "base_position to clients of move_base", 0.1, 50.0});
+    mission.fields(visit);
+  }
+  std::string check() const { return mission.check(); }
+};
+
+/// Serves `move_base` (MoveBaseAction), `move_base_simple/goal` and a tour from a file; gives mission/goal,
+/// mission/state and mission/command. Everything it decides is Mission's.
+class MissionNode {
+ public:
+  MissionNode(ros::NodeHandle nh, ros::NodeHandle pnh);
+
+ private:
+  using GoalHandle = actionlib::ActionServer<move_base_msgs::MoveBaseAction>::GoalHandle;
+
+  void onGoal(GoalHandle handle);
+  void onCancel(GoalHandle handle);
+  void onSimpleGoal(const geometry_msgs::PoseStamped& goal);
+  void onOdometry(const nav_msgs::Odometry& msg);
+  void onPath(const nav_msgs::Path& msg);
+  void onLocalCommand(const LocalCommand& msg);
+  bool onSetManual(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
+  void onTimer();
+
+  /// The goal in the odom frame, or why it cannot be driven to.
+  std::variant<Pose2, std::string> toOdom(const geometry_msgs::PoseStamped& goal) const;
+  void reportEnds();
+  void publishStatus();
+  void publishFeedback(const nav_msgs::Odometry& msg);
+  void driveTour(ros::Time now);
+  void sendTourGoal(ros::Time now);
+  void onTourGoalEnd(const MissionEvent& event);
+
+  MissionNodeParams params_;
+  Mission mission_;
+  NodeDiagnostics diagnostics_;
+  tf2_ros::Buffer tf_buffer_;
+  tf2_ros::TransformListener tf_listener_;
+  actionlib::ActionServer<move_base_msgs::MoveBaseAction> server_;
+  std::optional<GoalHandle> goal_handle_;  ///< of the goal on its way
+  ros::Time last_feedback_;
+  ros::Time last_now_;
+
+  std::optional<WaypointList> tour_;
+  std::size_t next_waypoint_ = 0;
+  ros::Time tour_start_;
+  std::string tour_goal_id_;  ///< of the tour's goal on its way; empty between two
+
+  ros::Publisher goal_pub_;
+  ros::Publisher state_pub_;
+  ros::Publisher command_pub_;
+  ros::Publisher action_goal_pub_;
+  ros::Subscriber odometry_sub_;
+  ros::Subscriber path_sub_;
+  ros::Subscriber command_sub_;
+  ros::Subscriber simple_goal_sub_;
+  ros::ServiceServer manual_service_;
+  ros::Timer timer_;
+};
+
+}  // namespace frugal_nav
