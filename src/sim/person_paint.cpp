@@ -74,8 +74,8 @@ Color paintNose(double y, double z, Color color) {
     color = shade(color, 1.0 - 0.13 * gauss(side - flank, 0.0, 4.0, 1.0));
     color = shade(color, 1.0 + 0.06 * gauss(side, 0.0, 3.5, 1.0));
   }
-  color = shade(color, 1.0 - 0.22 * gauss(side, z + 42.0, 13.0, 3.0));
-  return shade(color, 1.0 - 0.75 * gauss(side - 7.5, z + 38.0, 3.0, 1.9));
+  color = shade(color, 1.0 - 0.12 * gauss(side, z + 42.0, 12.0, 2.5));
+  return shade(color, 1.0 - 0.6 * gauss(side - 7.0, z + 39.0, 2.8, 1.7));
 }
 
 Color paintMouth(const PersonLook& look, double y, double z, Color color) {
@@ -155,7 +155,7 @@ Texture paintShirt(const PersonLook& look) {
   Texture texture = blank("shirt", kSize, kSize);
   Random random(look.grain, "person shirt");
   const int period = random.integer(14, 26);
-  const double print_u = random.uniform(0.05, 0.09);
+  const double print_u = random.uniform(0.035, 0.06);
   for (int row = 0; row < kSize; ++row) {
     for (int column = 0; column < kSize; ++column) {
       const double u = (column + 0.5) / kSize;
