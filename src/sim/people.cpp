@@ -66,7 +66,7 @@ Figure sitting(const PersonBody& body) {
       std::clamp((body.shin_m + body.ankle_m - figure.hip_z_m) / body.thigh_m, -0.9, 0.9);
   for (std::size_t side = 0; side < 2; ++side) {
     figure.legs[side] = {0.5 * M_PI + std::asin(knee_rise), 0.0};  // shins upright, soles on the floor
-    figure.upper_arm[side] = 0.08;  // hands on the thighs, below any table
+    figure.upper_arm[side] = 0.08;                                 // hands on the thighs, below any table
     figure.elbow[side] = 1.12;
   }
   return figure;
