@@ -176,7 +176,7 @@ BaseCommand BaseControl::wanted(Stamp now, const Pose2& odom_from_base) {
 }
 
 BaseCommand BaseControl::localCommand(const Pose2& odom_from_base) const {
-  if (local_command_.stamp < goal_since_) {
+  if (local_command_.stamp <= goal_since_) {
     return stopped(BaseCommand::Reason::kMissing, "no avoidance/command for the new goal yet");
   }
   switch (local_command_.holds) {
@@ -192,7 +192,7 @@ BaseCommand BaseControl::localCommand(const Pose2& odom_from_base) const {
 }
 
 BaseCommand BaseControl::pathCommand(Stamp now, const Pose2& odom_from_base) {
-  if (*watchdog_.last("path") < goal_since_) {
+  if (*watchdog_.last("path") <= goal_since_) {
     return stopped(BaseCommand::Reason::kMissing, "no path for the new goal yet");
   }
   if (path_.empty()) return stopped(BaseCommand::Reason::kNoWay, "the path is empty");

@@ -63,50 +63,65 @@ void BaseControl::refuse(const std::string& input, const std::string& why) {
   ++refused_counts_[input];
 }
 
-void BaseControl::setMission(const MissionStatus& status) {
-  if (!accept("mission/state", status.stamp, std::nullopt)) return;
-  if (status.goal_number != mission_.goal_number || status.mode != mission_.mode) {
-    follower_.reset();
-    if (status.goal_number != mission_.goal_number) goal_since_ = status.stamp;
-  }
+std::string BaseControl::refusal(const std::string& input) const {
+  const auto found = refused_.find(input);
+  return found == refused_.end() ? "" : found->second;
+}
+
+bool BaseControl::setMission(const MissionStatus& status) {
+  if (!accept("mission/state", status.stamp, std::nullopt)) return false;
+  const bool new_goal = status.goal_number != mission_.goal_number;
+  if (new_goal || status.mode != mission_.mode) follower_.reset();
+  if (new_goal) goal_since_ = status.stamp;
   mission_ = status;
+  return true;
 }
 
-void BaseControl::setOdometry(const Odometry& odometry) {
-  if (accept("odom", odometry.stamp, inputFault(odometry))) odometry_.add(odometry);
+bool BaseControl::setOdometry(const Odometry& odometry) {
+  if (!accept("odom", odometry.stamp, inputFault(odometry))) return false;
+  odometry_.add(odometry);
+  return true;
 }
 
-void BaseControl::setScan(const LaserScan& scan, const Pose2& base_from_laser) {
+bool BaseControl::setScan(const LaserScan& scan, const Pose2& base_from_laser) {
   has_scanner_ = true;
-  if (!accept("scan", scan.stamp, findFault(scan))) return;
+  if (!accept("scan", scan.stamp, findFault(scan))) return false;
   scan_stamp_ = scan.stamp;
   p_base_at_scan_.clear();
   for (const Eigen::Vector2d& p : obstaclePoints(scan, base_from_laser)) {
     if (guard_.clearance(p) > 0.0) p_base_at_scan_.push_back(p);  // inside: parts of the robot itself
   }
   blind_.add(scan, base_from_laser);
+  return true;
 }
 
-void BaseControl::setLocalCommand(const MotionCommand& command) {
-  if (accept("avoidance/command", command.stamp, inputFault(command, odometry_, params_.plausible))) {
-    local_command_ = command;
-  }
+bool BaseControl::setLocalCommand(const MotionCommand& command) {
+  if (!accept("avoidance/command", command.stamp, inputFault(command, odometry_, params_.plausible)))
+    return false;
+  local_command_ = command;
+  return true;
 }
 
-void BaseControl::setPath(const Path2& path, Stamp stamp) {
+bool BaseControl::setPath(const Path2& path, Stamp stamp) {
   std::optional<std::string> fault;
   for (const Pose2& pose : path) {
     if (!fault) fault = inputFault(pose, odometry_, params_.plausible);
   }
-  if (accept("path", stamp, fault)) path_ = path;
+  if (!accept("path", stamp, fault)) return false;
+  path_ = path;
+  return true;
 }
 
-void BaseControl::setMissionCommand(const Twist2& velocity, Stamp stamp) {
-  if (accept("mission/command", stamp, inputFault(velocity, params_.plausible))) mission_command_ = velocity;
+bool BaseControl::setMissionCommand(const Twist2& velocity, Stamp stamp) {
+  if (!accept("mission/command", stamp, inputFault(velocity, params_.plausible))) return false;
+  mission_command_ = velocity;
+  return true;
 }
 
-void BaseControl::setManualCommand(const Twist2& velocity, Stamp stamp) {
-  if (accept("cmd_vel_in", stamp, inputFault(velocity, params_.plausible))) manual_command_ = velocity;
+bool BaseControl::setManualCommand(const Twist2& velocity, Stamp stamp) {
+  if (!accept("cmd_vel_in", stamp, inputFault(velocity, params_.plausible))) return false;
+  manual_command_ = velocity;
+  return true;
 }
 
 }  // namespace frugal_nav

@@ -136,16 +136,19 @@ class BaseControl {
   /// Throws ConfigError on parameters out of range or an impossible geometry.
   BaseControl(const BaseControlParams& params, const BaseGeometry& geometry);
 
-  void setMission(const MissionStatus& status);
-  void setOdometry(const Odometry& odometry);
-  void setScan(const LaserScan& scan, const Pose2& base_from_laser);
-  void setLocalCommand(const MotionCommand& command);
+  // Each gives false when it refuses the input; refusal() then says why.
+  bool setMission(const MissionStatus& status);
+  bool setOdometry(const Odometry& odometry);
+  bool setScan(const LaserScan& scan, const Pose2& base_from_laser);
+  bool setLocalCommand(const MotionCommand& command);
   /// A path in odom, for mode camera; stamped with the image it rests on.
-  void setPath(const Path2& path, Stamp stamp);
-  void setMissionCommand(const Twist2& velocity, Stamp stamp);
-  void setManualCommand(const Twist2& velocity, Stamp stamp);
+  bool setPath(const Path2& path, Stamp stamp);
+  bool setMissionCommand(const Twist2& velocity, Stamp stamp);
+  bool setManualCommand(const Twist2& velocity, Stamp stamp);
   /// An input that could not even be converted; `input` is its topic.
   void refuse(const std::string& input, const std::string& why);
+  /// Why an input's last value was refused; empty when it was not.
+  std::string refusal(const std::string& input) const;
 
   /// One control cycle. Time running backward forgets everything.
   BaseCommand cycle(Stamp now);

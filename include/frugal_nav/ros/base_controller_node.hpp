@@ -1,0 +1,84 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <geometry_msgs/TwistStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <nav_msgs/Path.h>
+#include <ros/ros.h>
+#include <sensor_msgs/LaserScan.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <frugal_nav/LocalCommand.h>
+#include <frugal_nav/MissionState.h>
+#include <frugal_nav/control/base_control.hpp>
+#include <frugal_nav/ros/base_controller_params.hpp>
+#include <frugal_nav/ros/diagnostics.hpp>
+#include <frugal_nav/ros/live_parameters.hpp>
+
+namespace frugal_nav {
+
+/// The only publisher of cmd_vel. One control cycle for each mission/state and avoidance/command, for each
+/// path in mode camera, and from a timer when none came; each publishes one cmd_vel and one cmd_vel_stamped.
+class BaseControllerNode {
+ public:
+  /// Throws ConfigError on bad parameters or a missing robot_description.
+  BaseControllerNode(ros::NodeHandle nh, ros::NodeHandle pnh);
+  ~BaseControllerNode();
+  BaseControllerNode(const BaseControllerNode&) = delete;  // callbacks hold its address
+  BaseControllerNode& operator=(const BaseControllerNode&) = delete;
+
+  /// Publishes zero velocity, and no more after it.
+  void stop();
+
+ private:
+  /// A cycle that waits for the sensor messages its trigger rests on: topics arrive in any order.
+  struct Pending {
+    Stamp odom;
+    Stamp scan;
+  };
+
+  void onMissionState(const MissionState& msg);
+  void onOdometry(const nav_msgs::Odometry& msg);
+  void onScan(const sensor_msgs::LaserScan& msg);
+  void onLocalCommand(const LocalCommand& msg);
+  void onPath(const nav_msgs::Path& msg);
+  void onMissionCommand(const geometry_msgs::TwistStamped& msg);
+  void onManualCommand(const geometry_msgs::TwistStamped& msg);
+  void onTimer();
+
+  void note(const std::string& topic, bool accepted, Stamp stamp);
+  void request(const Pending& pending);
+  void cycleWhenReady();
+  void cycle();
+  void publish(const Twist2& velocity, Stamp stamp);
+  void report(const BaseCommand& command);
+  std::optional<Pose2> baseFromLaser(const std::string& frame);
+
+  BaseControllerNodeParams params_;
+  BaseControl control_;
+  NodeDiagnostics diagnostics_;
+  std::unique_ptr<LiveParameterServer> tuning_;
+  tf2_ros::Buffer tf_buffer_;
+  std::unique_ptr<tf2_ros::TransformListener> tf_listener_;  // until the laser's place is known
+  std::map<std::string, Pose2> base_from_laser_;
+
+  std::optional<Pending> pending_;
+  Stamp odom_stamp_{};
+  Stamp scan_stamp_{};
+  ros::Time last_cycle_;
+  BaseCommand last_;
+  std::uint64_t reported_jumps_ = 0;
+  bool stopped_ = false;
+
+  ros::Publisher cmd_vel_pub_;
+  ros::Publisher cmd_vel_stamped_pub_;
+  std::vector<ros::Subscriber> subscribers_;
+  ros::Timer timer_;
+};
+
+}  // namespace frugal_nav

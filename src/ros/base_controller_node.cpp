@@ -1,0 +1,223 @@
+#include <geometry_msgs/Twist.h>
+
+#include <frugal_nav/ros/base_controller_node.hpp>
+#include <frugal_nav/ros/conversions.hpp>
+#include <frugal_nav/ros/parameters.hpp>
+
+namespace frugal_nav {
+namespace {
+
+BaseControllerNodeParams loadParams(const ros::NodeHandle& pnh) {
+  BaseControllerNodeParams params;
+  loadParameters(pnh, params);
+  return params;
+}
+
+BaseGeometry loadGeometry(const ros::NodeHandle& pnh) {
+  const RobotModel robot = loadRobotDescription(pnh);
+  return {robot.footprint, robot.drive.separation_m};
+}
+
+const char* nameOf(BaseCommand::Source source) {
+  static constexpr const char* kNames[] = {"none", "avoidance/command", "path", "mission/command",
+                                           "cmd_vel_in"};
+  return kNames[static_cast<int>(source)];
+}
+
+bool isFault(BaseCommand::Reason reason) {
+  return reason != BaseCommand::Reason::kNone && reason != BaseCommand::Reason::kIdle;
+}
+
+}  // namespace
+
+BaseControllerNode::BaseControllerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
+    : params_(loadParams(pnh)),
+      control_(params_.control, loadGeometry(pnh)),
+      diagnostics_(nh, pnh),
+      tf_listener_(std::make_unique<tf2_ros::TransformListener>(tf_buffer_)) {
+  cmd_vel_pub_ = nh.advertise<geometry_msgs::Twist>("cmd_vel", 10);
+  cmd_vel_stamped_pub_ = nh.advertise<geometry_msgs::TwistStamped>("cmd_vel_stamped", 10);
+  // Small messages in a control loop: Nagle's algorithm would hold them back for tens of milliseconds.
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  using Node = BaseControllerNode;
+  subscribers_ = {nh.subscribe("mission/state", 10, &Node::onMissionState, this, hints),
+                  nh.subscribe("odom", 10, &Node::onOdometry, this, hints),
+                  nh.subscribe("scan", 2, &Node::onScan, this, hints),
+                  nh.subscribe("avoidance/command", 2, &Node::onLocalCommand, this, hints),
+                  nh.subscribe("path", 2, &Node::onPath, this, hints),
+                  nh.subscribe("mission/command", 10, &Node::onMissionCommand, this, hints),
+                  nh.subscribe("cmd_vel_in", 10, &Node::onManualCommand, this, hints)};
+  for (const char* topic :
+       {"mission/state", "odom", "scan", "avoidance/command", "path", "mission/command", "cmd_vel_in"}) {
+    diagnostics_.input(topic);
+  }
+  timer_ =
+      nh.createTimer(ros::Duration(1.0 / params_.rate_hz), [this](const ros::TimerEvent&) { onTimer(); });
+  tuning_ = tuneLive<BaseControllerNodeParams>(
+      pnh, params_, [this](const BaseControllerNodeParams& params) { control_.setParams(params.control); });
+}
+
+BaseControllerNode::~BaseControllerNode() { stop(); }
+
+void BaseControllerNode::stop() {
+  if (stopped_) return;
+  timer_.stop();
+  subscribers_.clear();
+  publish({}, last_.stamp);
+  stopped_ = true;
+}
+
+void BaseControllerNode::onMissionState(const MissionState& msg) {
+  const Stamp stamp = toStamp(msg.header.stamp);
+  if (const std::optional<MissionStatus> status = fromRos(msg)) {
+    note("mission/state", control_.setMission(*status), stamp);
+  } else {
+    control_.refuse("mission/state", "unknown mode or state");
+    note("mission/state", false, stamp);
+  }
+  request({stamp, Stamp{}});
+}
+
+void BaseControllerNode::onOdometry(const nav_msgs::Odometry& msg) {
+  odom_stamp_ = toStamp(msg.header.stamp);
+  if (const std::optional<Odometry> odometry = fromRos(msg)) {
+    note("odom", control_.setOdometry(*odometry), odom_stamp_);
+  } else {
+    control_.refuse("odom", "not finite, or no sound quaternion");
+    note("odom", false, odom_stamp_);
+  }
+  cycleWhenReady();
+}
+
+void BaseControllerNode::onScan(const sensor_msgs::LaserScan& msg) {
+  scan_stamp_ = toStamp(msg.header.stamp);
+  if (const std::optional<Pose2> base_from_laser = baseFromLaser(msg.header.frame_id)) {
+    note("scan", control_.setScan(fromRos(msg), *base_from_laser), scan_stamp_);
+  } else {
+    diagnostics_.input("scan").dropped("no transform from \"" + msg.header.frame_id + "\" to \"" +
+                                       params_.base_frame + "\"");
+  }
+  cycleWhenReady();
+}
+
+void BaseControllerNode::onLocalCommand(const LocalCommand& msg) {
+  const Stamp stamp = toStamp(msg.header.stamp);
+  if (msg.holds == LocalCommand::HOLDS_TARGET && msg.header.frame_id != params_.odom_frame) {
+    control_.refuse("avoidance/command", "its target is in \"" + msg.header.frame_id + "\", not in \"" +
+                                             params_.odom_frame + "\"");
+    note("avoidance/command", false, stamp);
+  } else if (const std::optional<MotionCommand> command = fromRos(msg)) {
+    note("avoidance/command", control_.setLocalCommand(*command), stamp);
+  } else {
+    control_.refuse("avoidance/command", "unknown status, or not finite");
+    note("avoidance/command", false, stamp);
+  }
+  request({stamp, stamp});
+}
+
+void BaseControllerNode::onPath(const nav_msgs::Path& msg) {
+  const Stamp stamp = toStamp(msg.header.stamp);
+  const std::optional<Path2> path = fromRos(msg);
+  if (!msg.poses.empty() && msg.header.frame_id != params_.odom_frame) {
+    control_.refuse("path",
+                    "it is in \"" + msg.header.frame_id + "\", not in \"" + params_.odom_frame + "\"");
+    note("path", false, stamp);
+  } else if (path) {
+    note("path", control_.setPath(*path, stamp), stamp);
+  } else {
+    control_.refuse("path", "not finite, or no sound quaternion");
+    note("path", false, stamp);
+  }
+  if (control_.mode() == Mode::kCamera) request({stamp, Stamp{}});
+}
+
+void BaseControllerNode::onMissionCommand(const geometry_msgs::TwistStamped& msg) {
+  const Stamp stamp = toStamp(msg.header.stamp);
+  note("mission/command", control_.setMissionCommand(planar(msg.twist), stamp), stamp);
+}
+
+void BaseControllerNode::onManualCommand(const geometry_msgs::TwistStamped& msg) {
+  const Stamp stamp = toStamp(msg.header.stamp);
+  note("cmd_vel_in", control_.setManualCommand(planar(msg.twist), stamp), stamp);
+}
+
+void BaseControllerNode::onTimer() {
+  // Half a period of slack, so that a timer in step with its own cycles skips none of them.
+  const ros::Time now = ros::Time::now();
+  if (now < last_cycle_ || (now - last_cycle_).toSec() > 0.5 / params_.rate_hz) cycle();
+}
+
+void BaseControllerNode::note(const std::string& topic, bool accepted, Stamp stamp) {
+  if (accepted) {
+    diagnostics_.input(topic).received(stamp, toStamp(ros::Time::now()));
+  } else {
+    diagnostics_.input(topic).refused(control_.refusal(topic));
+    ROS_WARN_THROTTLE(1.0, "%s", control_.refusal(topic).c_str());
+  }
+}
+
+void BaseControllerNode::request(const Pending& pending) {
+  pending_ = pending;
+  cycleWhenReady();
+}
+
+void BaseControllerNode::cycleWhenReady() {
+  if (pending_ && odom_stamp_ >= pending_->odom && scan_stamp_ >= pending_->scan) cycle();
+}
+
+void BaseControllerNode::cycle() {
+  pending_.reset();
+  last_cycle_ = ros::Time::now();
+  const BaseCommand command = control_.cycle(toStamp(last_cycle_));
+  publish(command.velocity, command.stamp);
+  report(command);
+  last_ = command;
+}
+
+void BaseControllerNode::publish(const Twist2& velocity, Stamp stamp) {
+  geometry_msgs::TwistStamped msg;
+  msg.header.stamp = toRos(stamp);
+  msg.header.frame_id = params_.base_frame;
+  msg.twist = toRos(velocity);
+  cmd_vel_pub_.publish(msg.twist);
+  cmd_vel_stamped_pub_.publish(msg);
+}
+
+void BaseControllerNode::report(const BaseCommand& command) {
+  if (control_.timeJumps() > reported_jumps_) {
+    ROS_WARN("time jumped back: the base stands until fresh inputs are in");
+    reported_jumps_ = control_.timeJumps();
+  }
+  const bool fault = isFault(command.reason);
+  if (fault && last_.reason != command.reason) ROS_WARN("the base stands: %s", command.text.c_str());
+  if (!fault && isFault(last_.reason)) ROS_INFO("the base is free to move again");
+  diagnostics_.status(fault ? diagnostic_msgs::DiagnosticStatus::WARN : diagnostic_msgs::DiagnosticStatus::OK,
+                      command.text.empty() ? "follows " + std::string(nameOf(command.source)) : command.text);
+  diagnostics_.set("source", nameOf(command.source));
+  diagnostics_.set("collision stop leaves", command.guard_share);
+  diagnostics_.set("time jumps", static_cast<double>(control_.timeJumps()));
+}
+
+std::optional<Pose2> BaseControllerNode::baseFromLaser(const std::string& frame) {
+  const auto known = base_from_laser_.find(frame);
+  if (known != base_from_laser_.end()) return known->second;
+  if (!tf_listener_) tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_buffer_);
+  try {
+    const auto transform = tf_buffer_.lookupTransform(params_.base_frame, frame, ros::Time(0)).transform;
+    const geometry_msgs::Quaternion& q = transform.rotation;
+    if (1.0 - 2.0 * (q.x * q.x + q.y * q.y) < 0.99) {  // cosine between the two z axes
+      ROS_ERROR_THROTTLE(5.0, "the laser \"%s\" is not mounted level with z up: its scans are not used",
+                         frame.c_str());
+      return std::nullopt;
+    }
+    const Pose2 pose{transform.translation.x, transform.translation.y, yawOf(q).value_or(0.0)};
+    base_from_laser_[frame] = pose;
+    tf_listener_.reset();  // it is static: no need to hear every transform of the robot
+    return pose;
+  } catch (const tf2::TransformException& error) {
+    ROS_WARN_THROTTLE(1.0, "scans in frame \"%s\" cannot be used: %s", frame.c_str(), error.what());
+    return std::nullopt;
+  }
+}
+
+}  // namespace frugal_nav
