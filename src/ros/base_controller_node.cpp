@@ -69,13 +69,15 @@ void BaseControllerNode::stop() {
 
 void BaseControllerNode::onMissionState(const MissionState& msg) {
   const Stamp stamp = toStamp(msg.header.stamp);
+  Pending pending{stamp, Stamp{}, Stamp{}};
   if (const std::optional<MissionStatus> status = fromRos(msg)) {
     note("mission/state", control_.setMission(*status), stamp);
+    if (status->mode == Mode::kAligning || status->mode == Mode::kRecovering) pending.mission_command = stamp;
   } else {
     control_.refuse("mission/state", "unknown mode or state");
     note("mission/state", false, stamp);
   }
-  request({stamp, Stamp{}});
+  request(pending);
 }
 
 void BaseControllerNode::onOdometry(const nav_msgs::Odometry& msg) {
@@ -112,7 +114,7 @@ void BaseControllerNode::onLocalCommand(const LocalCommand& msg) {
     control_.refuse("avoidance/command", "unknown status, or not finite");
     note("avoidance/command", false, stamp);
   }
-  request({stamp, stamp});
+  request({stamp, stamp, Stamp{}});
 }
 
 void BaseControllerNode::onPath(const nav_msgs::Path& msg) {
@@ -128,12 +130,14 @@ void BaseControllerNode::onPath(const nav_msgs::Path& msg) {
     control_.refuse("path", "not finite, or no sound quaternion");
     note("path", false, stamp);
   }
-  if (control_.mode() == Mode::kCamera) request({stamp, Stamp{}});
+  if (control_.mode() == Mode::kCamera) request({stamp, Stamp{}, Stamp{}});
 }
 
 void BaseControllerNode::onMissionCommand(const geometry_msgs::TwistStamped& msg) {
-  const Stamp stamp = toStamp(msg.header.stamp);
-  note("mission/command", control_.setMissionCommand(planar(msg.twist), stamp), stamp);
+  mission_command_stamp_ = toStamp(msg.header.stamp);
+  note("mission/command", control_.setMissionCommand(planar(msg.twist), mission_command_stamp_),
+       mission_command_stamp_);
+  cycleWhenReady();
 }
 
 void BaseControllerNode::onManualCommand(const geometry_msgs::TwistStamped& msg) {
@@ -162,7 +166,10 @@ void BaseControllerNode::request(const Pending& pending) {
 }
 
 void BaseControllerNode::cycleWhenReady() {
-  if (pending_ && odom_stamp_ >= pending_->odom && scan_stamp_ >= pending_->scan) cycle();
+  if (pending_ && odom_stamp_ >= pending_->odom && scan_stamp_ >= pending_->scan &&
+      mission_command_stamp_ >= pending_->mission_command) {
+    cycle();
+  }
 }
 
 void BaseControllerNode::cycle() {

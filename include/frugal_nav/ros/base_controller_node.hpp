@@ -36,10 +36,11 @@ class BaseControllerNode {
   void stop();
 
  private:
-  /// A cycle that waits for the sensor messages its trigger rests on: topics arrive in any order.
+  /// A cycle that waits for the messages that belong to its trigger: topics arrive in any order.
   struct Pending {
     Stamp odom;
     Stamp scan;
+    Stamp mission_command;
   };
 
   void onMissionState(const MissionState& msg);
@@ -70,6 +71,7 @@ class BaseControllerNode {
   std::optional<Pending> pending_;
   Stamp odom_stamp_{};
   Stamp scan_stamp_{};
+  Stamp mission_command_stamp_{};
   ros::Time last_cycle_;
   BaseCommand last_;
   std::uint64_t reported_jumps_ = 0;
