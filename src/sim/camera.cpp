@@ -1,4 +1,5 @@
 #include "camera_impl.hpp"
+#include "motion_smear.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +10,8 @@
 namespace frugal_nav::sim {
 namespace {
 
-constexpr double kNearThings_m = 1.0;       // distance at which the blur of a translation is judged
-constexpr double kSampleSpacing_px = 0.75;  // instants closer than this cannot be told apart in the image
+constexpr double kNearThings_m = 1.0;      // distance at which the blur of a translation is judged
+constexpr double kSampleSpacing_px = 1.0;  // instants closer than this cannot be told apart in the image
 
 Eigen::Isometry3d between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double share) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -50,7 +51,9 @@ const CameraParams& checked(const CameraParams& params) {
 CameraImage Camera::Impl::render(const View& view, const Eigen::Isometry3d& at_open,
                                  const Eigen::Isometry3d& at_close, bool with_depth, Stamp stamp) {
   const double focal_px = static_cast<double>(lens.focal_px());
-  renderLight(view, instants(params, at_open, at_close, focal_px), with_depth, pool, light);
+  const std::vector<Eigen::Isometry3d> poses = instants(params, at_open, at_close, focal_px);
+  renderLight(view, poses, with_depth || poses.size() > 1, pool, light);
+  smearAlongMotion(lens, poses, pool, light);
   return {stamp, sensor.read(light.light_lx, pool)};
 }
 

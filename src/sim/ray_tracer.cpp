@@ -18,6 +18,8 @@ namespace {
 // triangle.
 constexpr const char* kDeviceOptions = "threads=1,start_threads=0,set_affinity=0";
 
+const Eigen::Matrix3f kIdentity = Eigen::Matrix3f::Identity();
+
 bool processorHas(const std::string& isa) {
 #if defined(__x86_64__) || defined(__i386__)
   if (isa == "avx2") return __builtin_cpu_supports("avx2") != 0;
@@ -313,9 +315,7 @@ SurfaceHit RayTracer::resolve(const RTCRayHit8& rays, int lane) const {
   hit.mesh = part.mesh;
   hit.triangle = static_cast<int>(rays.hit.primID[lane]);
   hit.world_from_mesh_rotation = &part.world_from_mesh;
-  const Eigen::Vector3f normal =
-      Eigen::Vector3f(rays.hit.Ng_x[lane], rays.hit.Ng_y[lane], rays.hit.Ng_z[lane]).normalized();
-  hit.normal_world = still ? normal : Eigen::Vector3f(part.world_from_mesh * normal);
+  hit.world_from_hit_normal = still ? &kIdentity : &part.world_from_mesh;
   return hit;
 }
 

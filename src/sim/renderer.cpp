@@ -128,8 +128,8 @@ class TileRenderer {
       const float depth = rays.ray.tfar[lane];
       const Eigen::Vector3f origin(rays.ray.org_x[lane], rays.ray.org_y[lane], rays.ray.org_z[lane]);
       const Eigen::Vector3f direction(rays.ray.dir_x[lane], rays.ray.dir_y[lane], rays.ray.dir_z[lane]);
-      surfaces[i] = view_.tracer.surfaces().at(view_.tracer.resolve(rays, lane), rays.hit.u[lane],
-                                               rays.hit.v[lane], direction, depth / view_.lens.focal_px());
+      surfaces[i] = view_.tracer.surfaces().at(view_.tracer.resolve(rays, lane), rays, lane,
+                                               depth / view_.lens.focal_px());
       setLane(points.position, lane, origin + depth * direction);
       setLane(points.normal, lane, surfaces[i].normal_world);
       setLane(points.face_normal, lane, surfaces[i].face_normal);

@@ -19,6 +19,7 @@ struct LightImage {
   std::vector<Eigen::Vector3f> light_lx;
   std::vector<float> depth_m;
   std::vector<float> cos_incidence;
+  std::vector<Eigen::Vector3f> smeared_lx;  ///< working memory of smearAlongMotion
 };
 
 /// What a camera renders with.

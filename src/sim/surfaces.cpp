@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <embree3/rtcore_ray.h>
+
 namespace frugal_nav::sim {
 namespace {
 
@@ -84,19 +86,27 @@ std::vector<Surfaces::Level> Surfaces::pyramid(const Texture& texture) const {
   return levels;
 }
 
-SurfacePoint Surfaces::at(const SurfaceHit& hit, float u, float v, const Eigen::Vector3f& ray_direction,
-                          float footprint_m) const {
+SurfacePoint Surfaces::at(const SurfaceHit& hit, const RTCRayHit8& rays, int lane, float footprint_m) const {
   const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(hit.mesh)];
   const auto triangle_index = static_cast<std::size_t>(hit.triangle);
   const Eigen::Vector3i& triangle = mesh.triangles[triangle_index];
   const auto a = static_cast<std::size_t>(triangle[0]);
   const auto b = static_cast<std::size_t>(triangle[1]);
   const auto c = static_cast<std::size_t>(triangle[2]);
+  const float u = rays.hit.u[lane];
+  const float v = rays.hit.v[lane];
   const float w = 1.0F - u - v;
+  const Eigen::Vector3f direction(rays.ray.dir_x[lane], rays.ray.dir_y[lane], rays.ray.dir_z[lane]);
+  const Eigen::Vector3f hit_normal(rays.hit.Ng_x[lane], rays.hit.Ng_y[lane], rays.hit.Ng_z[lane]);
 
   SurfacePoint point;
-  const float facing = hit.normal_world.dot(ray_direction);
-  point.face_normal = facing > 0.0F ? Eigen::Vector3f(-hit.normal_world) : hit.normal_world;
+  point.face_normal =
+      *hit.world_from_hit_normal * (hit_normal * (1.0F / std::max(1e-20F, hit_normal.norm())));
+  float facing = point.face_normal.dot(direction);
+  if (facing > 0.0F) {
+    point.face_normal = -point.face_normal;
+    facing = -facing;
+  }
   point.normal_world = point.face_normal;
   if (!mesh.normals.empty()) {
     const Eigen::Vector3f normal =
@@ -118,10 +128,11 @@ SurfacePoint Surfaces::at(const SurfaceHit& hit, float u, float v, const Eigen::
     const std::vector<Level>& levels = textures_[static_cast<std::size_t>(paint.texture)];
     const Eigen::Vector2f uv = w * mesh.uvs[a] + u * mesh.uvs[b] + v * mesh.uvs[c];
     // A pixel is longer along the slope than across by 1 / cos: the level fits the geometric mean.
-    const float cos_incidence = std::max(kMinCos, std::abs(facing) / ray_direction.norm());
-    const float texels = static_cast<float>(std::max(levels[0].width, levels[0].height));
-    const float lod = densities[triangle_index] +
-                      std::log2(std::max(1e-6F, footprint_m) * texels / std::sqrt(cos_incidence));
+    const float length = direction.norm();
+    const float stretch = length / std::max(kMinCos * length, -facing);
+    const float texels = footprint_m * static_cast<float>(std::max(levels[0].width, levels[0].height));
+    const float lod =
+        densities[triangle_index] + 0.5F * std::log2(std::max(1e-12F, texels * texels * stretch));
     point.albedo = point.albedo.cwiseProduct(sampleTexture(levels, uv, lod));
   }
   return point;

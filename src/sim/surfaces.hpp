@@ -30,10 +30,9 @@ class Surfaces {
  public:
   explicit Surfaces(const Scene& scene);
 
-  /// The surface where a ray hit it: (u, v) are the triangle's barycentric coordinates, `footprint_m` is how
-  /// wide a pixel is there, across the ray.
-  SurfacePoint at(const SurfaceHit& hit, float u, float v, const Eigen::Vector3f& ray_direction,
-                  float footprint_m) const;
+  /// The surface that a lane of a packet hit, which the hit names; `footprint_m` is how wide a pixel is
+  /// there, across the ray.
+  SurfacePoint at(const SurfaceHit& hit, const RTCRayHit8& rays, int lane, float footprint_m) const;
 
  private:
   struct Level {

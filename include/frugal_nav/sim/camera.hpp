@@ -34,7 +34,7 @@ struct CameraParams {
   double read_noise_e = 3.0;
   bool shot_noise = true;
   bool motion_blur = true;
-  int blur_samples = 4;
+  int blur_samples = 3;
   int threads = 2;
 
   template <class Visitor>
@@ -66,8 +66,11 @@ struct CameraParams {
     visit("shot_noise", shot_noise, Field{"", "whether the electrons' number varies by its square root"});
     visit("motion_blur", motion_blur,
           Field{"", "whether the camera's motion while the shutter is open blurs"});
-    visit("blur_samples", blur_samples,
-          Field{"", "most instants averaged over the exposure; fewer when the camera moves less", 1, 16});
+    visit(
+        "blur_samples", blur_samples,
+        Field{"",
+              "most instants traced over the exposure; they are joined into a smear; fewer for small motions",
+              1, 16});
     visit("threads", threads, Field{"", "threads that render; the image does not depend on it", 1, 64});
   }
   std::string check() const {

@@ -32,11 +32,12 @@ struct RayTracerParams {
 
 /// What a ray met: enough to shade it.
 struct SurfaceHit {
-  int model = -1;                ///< index into Scene::models
-  int mesh = -1;                 ///< index into Scene::meshes
-  int triangle = -1;             ///< index into the mesh's triangles
-  Eigen::Vector3f normal_world;  ///< of the triangle, unit length, by its winding
+  int model = -1;     ///< index into Scene::models
+  int mesh = -1;      ///< index into Scene::meshes
+  int triangle = -1;  ///< index into the mesh's triangles
   const Eigen::Matrix3f* world_from_mesh_rotation = nullptr;
+  const Eigen::Matrix3f* world_from_hit_normal =
+      nullptr;  ///< rotates the triangle's normal that Embree gives
 };
 
 /// Ray tracing over a scene. What has never moved is one tree of triangles; a model that moves becomes
