@@ -5,8 +5,11 @@
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "simulator");
+  // Outside the try block: with the last handle gone roscpp shuts down, and the message below would be lost.
+  const ros::NodeHandle nh;
+  const ros::NodeHandle pnh("~");
   try {
-    frugal_nav::SimulatorNode node(ros::NodeHandle(), ros::NodeHandle("~"));
+    frugal_nav::SimulatorNode node(nh, pnh);
     node.run();
   } catch (const frugal_nav::ConfigError& error) {
     ROS_FATAL("%s", error.what());

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <frugal_nav/robot/param_file.hpp>
 #include <frugal_nav/sim/drive_body.hpp>
 
 namespace frugal_nav::sim {
@@ -126,6 +127,12 @@ TEST(DriveBody, RefusesParametersOutOfRange) {
   DriveBodyParams params;
   params.motor_time_constant_s = -1.0;
   EXPECT_THROW(DriveBody(params, kDrive, 1), ConfigError);
+}
+
+TEST(DriveBody, ShippedProfileHoldsTheDefaults) {
+  const auto profile =
+      loadParamFile<DriveBodyParams>(std::string(FRUGAL_NAV_SOURCE_DIR) + "/config/body.yaml");
+  EXPECT_EQ(toYaml(profile), toYaml(DriveBodyParams{}));
 }
 
 }  // namespace

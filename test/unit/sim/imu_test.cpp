@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <frugal_nav/robot/param_file.hpp>
 #include <frugal_nav/sim/imu.hpp>
 
 namespace frugal_nav::sim {
@@ -84,6 +85,12 @@ TEST(Imu, ClipsAtFullScale) {
   const ImuSample sample = imu.sample(stampFromSeconds(1.0), {0.0, 50.0}, {-900.0, 0.0});
   EXPECT_EQ(sample.angular_velocity_radps.z(), noiseless().gyro_range_radps);
   EXPECT_EQ(sample.acceleration_mps2.x(), -noiseless().accel_range_mps2);
+}
+
+TEST(Imu, ShippedProfileHoldsTheDefaults) {
+  const auto profile =
+      loadParamFile<ImuParams>(std::string(FRUGAL_NAV_SOURCE_DIR) + "/config/sensors/mpu6050.yaml");
+  EXPECT_EQ(toYaml(profile), toYaml(ImuParams{}));
 }
 
 }  // namespace

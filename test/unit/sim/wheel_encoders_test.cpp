@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <frugal_nav/robot/param_file.hpp>
 #include <frugal_nav/sim/wheel_encoders.hpp>
 
 namespace frugal_nav::sim {
@@ -22,6 +23,12 @@ TEST(WheelEncoders, RefusesNoTicks) {
   WheelEncoderParams params;
   params.ticks_per_revolution = 0;
   EXPECT_THROW(WheelEncoders{params}, ConfigError);
+}
+
+TEST(WheelEncoders, ShippedProfileHoldsTheDefaults) {
+  const auto profile =
+      loadParamFile<WheelEncoderParams>(std::string(FRUGAL_NAV_SOURCE_DIR) + "/config/sensors/encoders.yaml");
+  EXPECT_EQ(toYaml(profile), toYaml(WheelEncoderParams{}));
 }
 
 }  // namespace
