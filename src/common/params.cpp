@@ -18,9 +18,12 @@ const char* typeName(const ParamValue& value) {
 std::string numberText(double number) {
   std::ostringstream out;
   out << number;
-  const std::string text = out.str();
-  const bool looks_integer = text.find_first_not_of("-0123456789") == std::string::npos;
-  return looks_integer ? text + ".0" : text;
+  std::string text = out.str();
+  // 3 is an integer and 2e-05 a text to a YAML 1.1 reader such as rosparam's.
+  if (text.find_first_not_of("-0123456789e+") == std::string::npos) {
+    text.insert(std::min(text.find('e'), text.size()), ".0");
+  }
+  return text;
 }
 
 std::string valueText(const ParamValue& value) {
