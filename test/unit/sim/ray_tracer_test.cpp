@@ -40,7 +40,7 @@ TEST(RayTracer, MovingAModelMovesItsHits) {
   world.addBox({1.0F, 1.0F, 1.0F}, at(8.0, 0.0, 0.0), white);
   const int moving = world.addBox({1.0F, 1.0F, 1.0F}, at(4.0, 0.0, 0.0), white);
   RayTracer tracer(world.scene);
-  for (const double x : {3.0, 5.0, 4.25}) {
+  for (const double x : {3.0, 5.0, 4.0, 4.25}) {  // 4.0 is where it was at first
     world.scene.models[static_cast<std::size_t>(moving)].world_from_model = at(x, 0.0, 0.0);
     tracer.updateModel(moving);
     tracer.commit();
