@@ -88,15 +88,18 @@ struct ProgramResult {
   std::string output;  ///< of both its streams
 };
 
-/// Runs a program of this package (they lie beside the test's own) until it ends, for at most 20 s.
-inline ProgramResult runProgram(const std::string& name, const std::string& arguments = "") {
+/// Path of a program of this package: they lie beside the test's own.
+inline std::string programPath(const std::string& name) {
   std::array<char, 4096> path{};
   const ssize_t length = readlink("/proc/self/exe", path.data(), path.size() - 1);
-  if (length <= 0) return {};
-  const std::string self(path.data(), static_cast<std::size_t>(length));
-  const std::string program = self.substr(0, self.rfind('/') + 1) + name;
+  const std::string self(path.data(), length > 0 ? static_cast<std::size_t>(length) : 0);
+  return self.substr(0, self.rfind('/') + 1) + name;
+}
+
+/// Runs a program of this package until it ends, for at most 20 s.
+inline ProgramResult runProgram(const std::string& name, const std::string& arguments = "") {
   ProgramResult result;
-  std::FILE* pipe = popen(("timeout 20 '" + program + "' " + arguments + " 2>&1").c_str(), "r");
+  std::FILE* pipe = popen(("timeout 20 '" + programPath(name) + "' " + arguments + " 2>&1").c_str(), "r");
   if (pipe == nullptr) return result;
   std::array<char, 4096> text{};
   while (std::fgets(text.data(), static_cast<int>(text.size()), pipe) != nullptr)
