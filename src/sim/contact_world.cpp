@@ -110,6 +110,7 @@ struct ContactWorld::Impl {
   void addSolid(const Scene& scene, int model, int collision);
   double place(Solid& solid, const Eigen::Isometry3d& world_from_solid);
   bool isClear(const Pose2& pose, double within_m) const;
+  bool isAsSearched(const Pose2& pose, double within_m) const;
   std::vector<Proximity> search(const Pose2& pose, double reach_m);
 
   // The world goes first when this is destroyed: it still looks at its objects then.
@@ -124,8 +125,11 @@ struct ContactWorld::Impl {
   btCollisionWorld world{&dispatcher, &broadphase, &configuration};
 
   double robot_reach_m = 0.0;  ///< of any point of the robot from the axis it turns about
-  // What the last search found: nothing nearer than clear_m to the robot at searched_from.
+  // What the last search found: nothing nearer than clear_m to the robot at searched_from but what is in
+  // found.
   Pose2 searched_from;
+  std::vector<Proximity> last_found;
+  double last_reach_m = -1.0;
   double clear_m = -1.0;
   std::vector<double> model_moved_m;  ///< since the last search
   double most_moved_m = 0.0;
@@ -215,6 +219,11 @@ bool ContactWorld::Impl::isClear(const Pose2& pose, double within_m) const {
   return clear_m - robot_moved_m - most_moved_m > within_m;
 }
 
+bool ContactWorld::Impl::isAsSearched(const Pose2& pose, double within_m) const {
+  return within_m <= last_reach_m && most_moved_m == 0.0 && pose.x_m == searched_from.x_m &&
+         pose.y_m == searched_from.y_m && pose.yaw_rad == searched_from.yaw_rad;
+}
+
 std::vector<Proximity> ContactWorld::Impl::search(const Pose2& pose, double reach_m) {
   const Eigen::Isometry3d world_from_base = lifted(pose);
   const btVector3 reach(static_cast<btScalar>(reach_m), static_cast<btScalar>(reach_m),
@@ -290,14 +299,17 @@ std::vector<Proximity> ContactWorld::near(const Pose2& world_from_base, double w
   if (impl_->isClear(world_from_base, within_m)) return {};
   // Look a little farther than the last clearance: far in the open, where it saves searches; short in a
   // crowd, where each pair costs.
-  const double reach_m = std::clamp(2.0 * impl_->clear_m, within_m + kShortestSearch_m,
-                                    std::max(kLongestSearch_m, within_m + kShortestSearch_m));
-  std::vector<Proximity> nearest = impl_->search(world_from_base, reach_m);
-  impl_->searched_from = world_from_base;
-  impl_->clear_m = reach_m;
-  for (const Proximity& p : nearest) impl_->clear_m = std::min(impl_->clear_m, p.distance_m);
-  std::fill(impl_->model_moved_m.begin(), impl_->model_moved_m.end(), 0.0);
-  impl_->most_moved_m = 0.0;
+  if (!impl_->isAsSearched(world_from_base, within_m)) {
+    const double reach_m = std::clamp(2.0 * impl_->clear_m, within_m + kShortestSearch_m,
+                                      std::max(kLongestSearch_m, within_m + kShortestSearch_m));
+    impl_->last_found = impl_->search(world_from_base, reach_m);
+    impl_->searched_from = world_from_base;
+    impl_->last_reach_m = impl_->clear_m = reach_m;
+    for (const Proximity& p : impl_->last_found) impl_->clear_m = std::min(impl_->clear_m, p.distance_m);
+    std::fill(impl_->model_moved_m.begin(), impl_->model_moved_m.end(), 0.0);
+    impl_->most_moved_m = 0.0;
+  }
+  std::vector<Proximity> nearest = impl_->last_found;
   nearest.erase(std::remove_if(nearest.begin(), nearest.end(),
                                [within_m](const Proximity& p) { return p.distance_m > within_m; }),
                 nearest.end());

@@ -14,8 +14,8 @@ namespace {
 constexpr double kSeparated_m = 0.005;
 // Below this speed toward the other a robot does not drive into it.
 constexpr double kApproaching_mps = 0.01;
-// Halvings of a blocked step: at 2 m/s the robot stops within 0.2 mm of the contact.
-constexpr int kBisections = 6;
+// A blocked robot stops within this distance of the contact.
+constexpr double kContactGap_m = 2e-4;
 
 const double kStep_s = toSeconds(kPhysicsStep);
 
@@ -156,7 +156,9 @@ double Simulator::Impl::freeFraction(const Pose2& from, const Pose2& to,
                                      const std::vector<Proximity>& before) {
   double free = 0.0;
   double blocked = 1.0;
-  for (int i = 0; i < kBisections; ++i) {
+  const double way_m =
+      distance(from, to) + std::abs(angleBetween(from.yaw_rad, to.yaw_rad)) * robot.circumradius_m();
+  while ((blocked - free) * way_m > kContactGap_m) {
     const double middle = (free + blocked) / 2.0;
     const Pose2 there = interpolate(from, to, middle);
     (isBlocked(from, there, before, contact_world.near(there, kSeparated_m)) ? blocked : free) = middle;
