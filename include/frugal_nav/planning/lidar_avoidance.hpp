@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,7 +28,7 @@ struct LidarAvoidanceParams {
 
   template <class Visitor>
   void fields(Visitor&& visit) {
-    visit("method", method, Field{"", "how obstacles are avoided", {}, {}, "sectors"});
+    visit("method", method, Field{"", "how obstacles are avoided", -HUGE_VAL, HUGE_VAL, "sectors"});
     visit("use_path", use_path,
           Field{"", "follow the planner's path; false: straight at the goal, as in the paper"});
     visit("look_ahead_m", look_ahead_m,

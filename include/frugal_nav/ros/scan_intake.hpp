@@ -1,0 +1,103 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <geometry_msgs/PoseStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/ros.h>
+#include <sensor_msgs/LaserScan.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <frugal_nav/MissionState.h>
+#include <frugal_nav/common/laser_scan.hpp>
+#include <frugal_nav/common/mission_status.hpp>
+#include <frugal_nav/common/odometry_buffer.hpp>
+#include <frugal_nav/ros/diagnostics.hpp>
+#include <frugal_nav/ros/planning_params.hpp>
+
+namespace frugal_nav {
+
+/// A scan with the pose it was taken at; or the reason why it cannot be used.
+struct PosedScan {
+  LaserScan scan;
+  std::string frame;
+  Pose2 base_from_laser;
+  Odometry odometry;  ///< at the scan's stamp
+  std::string fault;  ///< empty: all of the above holds
+};
+
+/// The inputs that planner and lidar_avoidance share: scan, odom, mission/state and mission/goal.
+///
+/// A scan is handed on, in the order of stamps, once odometry of its stamp or later is in and `ready` agrees,
+/// or with a fault once it has waited too long: one call of `process` for each scan, whatever happens. A
+/// stamp or ROS time that goes back forgets everything and calls `time_jumped`.
+class ScanIntake {
+ public:
+  struct Callbacks {
+    std::function<bool(const PosedScan&)> ready;  ///< may hold a sound scan back; asked again at each input
+    std::function<void(const PosedScan&)> process;
+    std::function<void()> time_jumped;
+  };
+
+  ScanIntake(ros::NodeHandle nh, const ScanIntakeParams& params, NodeDiagnostics& diagnostics,
+             Callbacks callbacks);
+  ScanIntake(const ScanIntake&) = delete;  // subscriptions hold its address
+  ScanIntake& operator=(const ScanIntake&) = delete;
+
+  /// Where to go, in odom, while the mission drives there by LIDAR; otherwise nothing.
+  std::optional<Pose2> goal() const { return isActive() ? goal_ : std::nullopt; }
+  /// Hands on every scan that can be; to be called when what `ready` waits for has come.
+  void process();
+  /// Checks the stamp of a further input of the node: one that goes back is a jump in time.
+  void checkStamp(const std::string& input, Stamp stamp);
+  /// How long the scan handed to `ready` has waited, in ROS time [s].
+  double waited_s() const;
+
+ private:
+  struct Pending {
+    PosedScan posed;
+    ros::Time since;
+  };
+
+  void onScan(const sensor_msgs::LaserScan& msg);
+  void onOdometry(const nav_msgs::Odometry& msg);
+  void onGoal(const geometry_msgs::PoseStamped& msg);
+  void onState(const MissionState& msg);
+  void onTimer();
+  void checkClock();
+  bool isActive() const;
+  void forget(const std::string& why, Stamp now);
+  bool complete(Pending& pending);
+  std::optional<Pose2> laserPose(const std::string& frame);
+
+  ScanIntakeParams params_;
+  NodeDiagnostics& diagnostics_;
+  Callbacks callbacks_;
+  OdometryBuffer odometry_;
+  std::deque<Pending> pending_;
+  std::map<std::string, Stamp> last_stamps_;
+  ros::Time last_now_;
+  bool stamps_jumped_ = false;  ///< and ROS time has yet to follow: the same jump
+
+  std::map<std::string, Pose2> base_from_laser_;  ///< by the scan's frame, once known
+  tf2_ros::Buffer tf_buffer_;
+  std::unique_ptr<tf2_ros::TransformListener> tf_listener_;  ///< until the laser's pose is known
+
+  MissionStatus mission_;
+  std::optional<Pose2> goal_;
+  Stamp goal_stamp_{};
+
+  ros::Subscriber scan_sub_;
+  ros::Subscriber odometry_sub_;
+  ros::Subscriber goal_sub_;
+  ros::Subscriber state_sub_;
+  ros::Timer timer_;
+};
+
+}  // namespace frugal_nav
