@@ -21,7 +21,7 @@ struct MissionParams {
   std::string drive_mode = "lidar";
   bool needs_path = true;
   double xy_tolerance_m = 0.25;
-  double xy_aim_m = 0.08;
+  double xy_aim_m = 0.05;
   double closing_s = 1.0;
   double standing_mps = 0.02;
   double standing_radps = 0.1;

@@ -18,7 +18,7 @@ struct DriveBodyParams {
   double slip_scale = 1.0;
   double slip_per_mps = 0.02;
   double slip_per_radps = 0.015;
-  double slip_noise = 0.5;
+  double slip_noise = 0.15;
   double slip_noise_time_s = 0.5;
   double left_radius_multiplier = 1.0;
   double right_radius_multiplier = 1.0;
@@ -40,10 +40,11 @@ struct DriveBodyParams {
     visit("slip_per_radps", slip_per_radps,
           Field{"s/rad", "share of a wheel's turning that is lost, for each rad/s the robot turns at", 0.0,
                 0.5});
-    visit(
-        "slip_noise", slip_noise,
-        Field{"", "standard deviation of a wheel's slip over its mean: the floor is not the same everywhere",
-              0.0, 2.0});
+    visit("slip_noise", slip_noise,
+          Field{"",
+                "standard deviation of a wheel's slip over its mean; so chosen that the ends of 16 m squares "
+                "spread by about 5 cm, as on smooth floors (Borenstein and Feng 1996)",
+                0.0, 2.0});
     visit("slip_noise_time_s", slip_noise_time_s,
           Field{"s", "how long a stretch of like floor lasts", 0.01, 60.0});
     visit(

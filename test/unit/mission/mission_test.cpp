@@ -49,7 +49,7 @@ TEST(Mission, ReachesTheGoalOnlyWhenStandingInIt) {
   driver.odometry.odom_from_base = {2.70, 0.0, 0.0};
   driver.odometry.twist = {0.2, 0.0};
   EXPECT_EQ(driver.step().status.mode, Mode::kLidar) << "outside the tolerance";
-  driver.odometry.odom_from_base = {2.93, 0.0, 0.0};
+  driver.odometry.odom_from_base = {2.96, 0.0, 0.0};
   const MissionOutput braking = driver.step();
   EXPECT_EQ(braking.status.phase, MissionPhase::kDriving) << "still rolling";
   ASSERT_TRUE(braking.command);
@@ -75,7 +75,7 @@ TEST(Mission, TakesTheToleranceWhenItGetsNoNearer) {
 TEST(Mission, DrivesUpAgainAfterSlippingPast) {
   MissionDriver driver;
   driver.setGoal(kGoal);
-  driver.odometry.odom_from_base = {2.95, 0.0, 0.0};
+  driver.odometry.odom_from_base = {2.96, 0.0, 0.0};
   driver.odometry.twist = {0.5, 0.0};
   driver.step();
   driver.odometry.odom_from_base = {3.4, 0.0, 0.0};
