@@ -97,6 +97,13 @@ TEST(CollisionGuard, AllowsMotionAwayFromATouchingWall) {
   EXPECT_EQ(guard.check({-0.1, 0.0}, {}, 0.1, touching).velocity, (Twist2{-0.1, 0.0}));
 }
 
+TEST(CollisionGuard, CountsTheWayThePresentVelocityStillGoes) {
+  const CollisionGuard guard({}, kFootprint);
+  const Points ahead = wall({0.12 + 0.07, -1.0}, {0.12 + 0.07, 1.0});
+  EXPECT_EQ(guard.check({0.05, 0.0}, {0.05, 0.0}, 0.0, ahead).share, 1.0);
+  EXPECT_EQ(guard.check({0.05, 0.0}, {0.60, 0.0}, 0.0, ahead).share, 0.0);  // 6 cm before the motors react
+}
+
 TEST(CollisionGuard, AnOldScanMakesItMoreCareful) {
   const CollisionGuard guard({}, kFootprint);
   const Points near = wall({0.12 + 0.15, -1.0}, {0.12 + 0.15, 1.0});
