@@ -45,6 +45,13 @@ void requireFinite(const Pose2& pose) {
   if (!pose.isFinite()) throw ConfigError("simulator: the robot's pose is not finite");
 }
 
+/// Throws ConfigError naming the link that a sensor hangs on when the robot lacks it.
+void requireLinks(const RobotModel& robot, const SensorSwitches& on) {
+  if (on.imu) robot.baseFrom("imu_link");
+  if (on.scan) robot.baseFrom("laser");
+  if (on.camera || on.rgbd) robot.baseFrom("camera_optical_frame");
+}
+
 const Proximity* find(const std::vector<Proximity>& list, int model) {
   const auto found =
       std::find_if(list.begin(), list.end(), [model](const Proximity& p) { return p.model == model; });
@@ -63,12 +70,16 @@ struct Simulator::Impl {
         contact_world(scene, robot),
         body(params.body, robot.drive, seed),
         encoders(params.encoders),
-        imu(params.imu, robot.baseFrom("imu_link"), seed),
+        imu(params.imu,
+            params.sensors.imu ? robot.baseFrom("imu_link")
+                               : Eigen::Isometry3d(Eigen::Isometry3d::Identity()),
+            seed),
         lidar(params.lidar, seed),
         pose(start),
         ticks_steps(stepsOf(params.encoders.rate_hz)),
         scan_steps(stepsOf(params.lidar.rate_hz, ticks_steps)) {
     requireFinite(start);
+    requireLinks(robot, params.sensors);
   }
 
   double worldTime_s() const { return toSeconds(stamp - kStartTime); }

@@ -111,7 +111,7 @@ class Simulator {
   int contactCount() const;
   /// Puts the robot at a pose, standing still; time, counts and sensors go on.
   void reset(const Pose2& world_from_base);
-  /// Switches sensors while running.
+  /// Switches sensors while running, of those that were on at the start.
   void setSensors(const SensorSwitches& sensors);
   /// Moves a model of the scene (an obstacle on a course of its own) for the next step. Throws ConfigError on
   /// a model that does not exist.

@@ -311,9 +311,13 @@ TEST(Simulator, RefusesWhatItCannotBuild) {
   params.imu.rate_hz = -5.0;
   EXPECT_THROW(Simulator(wallScene(), frugalBot(), params, 1, {}), ConfigError);
   EXPECT_THROW(Simulator(wallScene(), frugalBot(), {}, 1, {std::nan(""), 0, 0}), ConfigError);
-  RobotModel robot = frugalBot();
-  robot.base_from_link.erase("imu_link");
-  EXPECT_THROW(Simulator(wallScene(), robot, {}, 1, {}), ConfigError);
+  for (const char* link : {"imu_link", "laser", "camera_optical_frame"}) {
+    SimulatorParams with_camera;
+    with_camera.sensors.camera = true;
+    RobotModel robot = frugalBot();
+    robot.base_from_link.erase(link);
+    EXPECT_THROW(Simulator(wallScene(), robot, with_camera, 1, {}), ConfigError) << link;
+  }
 }
 
 }  // namespace
