@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include <embree3/rtcore.h>
@@ -61,7 +63,9 @@ struct RayTracer::Impl {
   }
 
   const Scene& scene;
-  Surfaces surfaces;
+  std::once_flag
+      surfaces_made;  // by the first image: a laser needs no textures, and their pyramids take a second
+  std::unique_ptr<Surfaces> surfaces;
   std::string warning;
   RTCDevice device = nullptr;
   RTCScene still = nullptr;  // everything that has never moved
@@ -79,8 +83,7 @@ struct RayTracer::Impl {
   bool top_changed = true;
 };
 
-RayTracer::Impl::Impl(const Scene& scene_in, const RayTracerParams& params)
-    : scene(scene_in), surfaces(scene_in) {
+RayTracer::Impl::Impl(const Scene& scene_in, const RayTracerParams& params) : scene(scene_in) {
   validate(params, "ray tracer");
   std::string options = kDeviceOptions;
   if (!processorHas(params.isa)) {
@@ -300,7 +303,11 @@ Eigen::AlignedBox3d RayTracer::visualBounds(int model, int visual) const {
 }
 
 const Scene& RayTracer::scene() const { return impl_->scene; }
-const Surfaces& RayTracer::surfaces() const { return impl_->surfaces; }
+const Surfaces& RayTracer::surfaces() const {
+  std::call_once(impl_->surfaces_made,
+                 [this] { impl_->surfaces = std::make_unique<Surfaces>(impl_->scene); });
+  return *impl_->surfaces;
+}
 const std::string& RayTracer::warning() const { return impl_->warning; }
 
 }  // namespace frugal_nav::sim

@@ -40,6 +40,7 @@ class TileRenderer {
  public:
   TileRenderer(const View& view, const std::vector<Eye>& eyes, bool with_depth, LightImage& image)
       : view_(view),
+        surfaces_(view.tracer.surfaces()),
         eyes_(eyes),
         with_depth_(with_depth),
         image_(image),
@@ -128,8 +129,7 @@ class TileRenderer {
       const float depth = rays.ray.tfar[lane];
       const Eigen::Vector3f origin(rays.ray.org_x[lane], rays.ray.org_y[lane], rays.ray.org_z[lane]);
       const Eigen::Vector3f direction(rays.ray.dir_x[lane], rays.ray.dir_y[lane], rays.ray.dir_z[lane]);
-      surfaces[i] = view_.tracer.surfaces().at(view_.tracer.resolve(rays, lane), rays, lane,
-                                               depth / view_.lens.focal_px());
+      surfaces[i] = surfaces_.at(view_.tracer.resolve(rays, lane), rays, lane, depth / view_.lens.focal_px());
       setLane(points.position, lane, origin + depth * direction);
       setLane(points.normal, lane, surfaces[i].normal_world);
       setLane(points.face_normal, lane, surfaces[i].face_normal);
@@ -155,6 +155,7 @@ class TileRenderer {
   }
 
   const View& view_;
+  const Surfaces& surfaces_;
   const std::vector<Eye>& eyes_;
   bool with_depth_;
   LightImage& image_;
