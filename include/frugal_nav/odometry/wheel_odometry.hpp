@@ -25,7 +25,7 @@ struct WheelOdometryParams {
   double separation_multiplier = 1.0;
   double max_wheel_speed_mps = 2.5;
   double velocity_window_s = 0.1;
-  double distance_noise_m = 4e-5;
+  double distance_noise_m = 4e-6;
   double start_x_m = 0.0;
   double start_y_m = 0.0;
   double start_yaw_rad = 0.0;
@@ -49,8 +49,9 @@ struct WheelOdometryParams {
           Field{"s", "span the velocity is averaged over: five readings smooth the counts' steps", 0.0, 5.0});
     visit("distance_noise_m", distance_noise_m,
           Field{"m",
-                "variance of a wheel's distance per metre rolled: 6 mm after one metre, from the slip of the "
-                "simulated floor",
+                "variance of a wheel's distance per metre rolled: 2 mm after one metre, twice what the slip "
+                "of the "
+                "simulated floor makes, since floors differ",
                 0.0, 1.0});
     visit("start_x_m", start_x_m, Field{"m", "starting pose in odom"});
     visit("start_y_m", start_y_m, Field{"m", "starting pose in odom"});
