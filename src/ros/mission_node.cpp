@@ -63,7 +63,7 @@ MissionNode::MissionNode(ros::NodeHandle nh, ros::NodeHandle pnh)
 }
 
 void MissionNode::onGoal(GoalHandle handle) {
-  const ros::Time now = ros::Time::now();
+  const ros::Time now = checkClock();
   const geometry_msgs::PoseStamped& target = handle.getGoal()->target_pose;
   const std::variant<Pose2, std::string> goal = toOdom(target);
   const bool of_tour = tour_ && handle.getGoalID().id == tour_goal_id_;
@@ -129,7 +129,7 @@ void MissionNode::onOdometry(const nav_msgs::Odometry& msg) {
     diagnostics_.input("odom").refused("not finite, or no sound quaternion");
     return;
   }
-  diagnostics_.input("odom").received(odometry->stamp, toStamp(ros::Time::now()));
+  diagnostics_.input("odom").received(odometry->stamp, toStamp(checkClock()));
   const MissionOutput output = mission_.update(*odometry);
   if (output.command) {
     geometry_msgs::TwistStamped command;
@@ -150,7 +150,7 @@ void MissionNode::onPath(const nav_msgs::Path& msg) {
     diagnostics_.input("path").refused("not finite, or no sound quaternion");
     return;
   }
-  diagnostics_.input("path").received(toStamp(msg.header.stamp), toStamp(ros::Time::now()));
+  diagnostics_.input("path").received(toStamp(msg.header.stamp), toStamp(checkClock()));
   mission_.setPath(*path, toStamp(msg.header.stamp));
   reportEnds();
 }
@@ -161,7 +161,7 @@ void MissionNode::onLocalCommand(const LocalCommand& msg) {
     diagnostics_.input("avoidance/command").refused("unknown status, or not finite");
     return;
   }
-  diagnostics_.input("avoidance/command").received(command->stamp, toStamp(ros::Time::now()));
+  diagnostics_.input("avoidance/command").received(command->stamp, toStamp(checkClock()));
   mission_.setLocalCommand(*command);
   reportEnds();
 }
@@ -175,14 +175,20 @@ bool MissionNode::onSetManual(std_srvs::SetBool::Request& request, std_srvs::Set
   return true;
 }
 
-void MissionNode::onTimer() {
+// To be called before anything of a new time is taken in.
+ros::Time MissionNode::checkClock() {
   const ros::Time now = ros::Time::now();
   if (now < last_now_) {
     ROS_WARN("time jumped back from %.3f to %.3f: starting anew", last_now_.toSec(), now.toSec());
     mission_.resetTime();
-    last_feedback_ = ros::Time();
+    reportEnds();
   }
   last_now_ = now;
+  return now;
+}
+
+void MissionNode::onTimer() {
+  const ros::Time now = checkClock();
   if (mission_.checkOdometry(toStamp(now))) publishStatus();
   reportEnds();
 }

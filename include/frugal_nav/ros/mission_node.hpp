@@ -57,6 +57,7 @@ class MissionNode {
   void onLocalCommand(const LocalCommand& msg);
   bool onSetManual(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   void onTimer();
+  ros::Time checkClock();
 
   /// The goal in the odom frame, or why it cannot be driven to.
   std::variant<Pose2, std::string> toOdom(const geometry_msgs::PoseStamped& goal) const;
