@@ -25,6 +25,12 @@ std::string seconds(double value_s) {
   return text;
 }
 
+/// A topic's name with one slash in front: bags hold names as the recorder was told them, "scan" or "/scan".
+std::string absolute(const std::string& topic) {
+  const std::size_t begin = topic.find_first_not_of('/');
+  return begin == std::string::npos ? "/" : "/" + topic.substr(begin);
+}
+
 /// The header of any message whose definition begins with one.
 std::optional<std_msgs::Header> headerOf(const rosbag::MessageInstance& message,
                                          std::vector<std::uint8_t>& buffer) {
@@ -33,6 +39,7 @@ std::optional<std_msgs::Header> headerOf(const rosbag::MessageInstance& message,
   for (std::string line; std::getline(lines, line);) {
     line.erase(0, line.find_first_not_of(" \t"));
     if (line.empty() || line[0] == '#') continue;
+    if (line.substr(0, line.find('#')).find('=') != std::string::npos) continue;  // a constant, no field
     if (line.rfind("Header ", 0) != 0 && line.rfind("std_msgs/Header ", 0) != 0) return std::nullopt;
     buffer.resize(message.size());
     ros::serialization::OStream out(buffer.data(), static_cast<std::uint32_t>(buffer.size()));
@@ -57,7 +64,7 @@ class Checker {
   }
 
   void look(const rosbag::MessageInstance& message) {
-    const std::string& topic = message.getTopic();
+    const std::string topic = absolute(message.getTopic());
     TopicReport& report = report_.topics[topic];
     if (report.count == 0) {
       report.type = message.getDataType();
@@ -70,7 +77,11 @@ class Checker {
     const std::optional<std_msgs::Header> header = headerOf(message, buffer_);
     report.has_header = header.has_value();
     if (header) lookAtHeader(topic, report, *header, message.getTime());
-    advance(topic, report, header ? header->stamp : message.getTime());
+    if (header && header->stamp.isZero()) {
+      ++report.count;
+    } else {
+      advance(topic, report, header ? header->stamp : message.getTime());
+    }
   }
 
   BagReport finish() {
@@ -110,13 +121,16 @@ class Checker {
 
   void lookAtHeader(const std::string& topic, TopicReport& report, const std_msgs::Header& header,
                     const ros::Time& recorded) {
-    if (header.stamp.isZero()) note(topic, "zero", recorded, "stamp is zero");
     const TopicExpectation* expectation = expectationOf(topic);
+    if (header.stamp.isZero() && !(expectation && expectation->zero_stamps))
+      note(topic, "zero", recorded, "stamp is zero");
     const double delay_s = (recorded - header.stamp).toSec();
     const double allowed_s =
         expectation && expectation->max_delay_s ? *expectation->max_delay_s : kOtherClock_s;
     if (!header.stamp.isZero() && std::abs(delay_s) > allowed_s)
       note(topic, "delay", recorded, "stamp lies " + seconds(delay_s) + " before its recording");
+    // A joint state's frame has no meaning either.
+    if (report.type == "sensor_msgs/JointState" || (expectation && expectation->no_frame)) return;
     if (header.frame_id.empty()) {
       note(topic, "no frame", recorded, "frame_id is empty");
     } else if (header.frame_id[0] == '/') {
@@ -130,11 +144,12 @@ class Checker {
   }
 
   void advance(const std::string& topic, TopicReport& report, const ros::Time& stamp) {
-    if (report.count > 0) {
+    if (!report.last.isZero()) {
       const double step_s = (stamp - report.last).toSec();
       const TopicExpectation* expectation = expectationOf(topic);
       if (step_s < 0.0) note(topic, "back", stamp, "stamp goes back by " + seconds(-step_s));
-      if (step_s == 0.0 && report.has_header && expectation) note(topic, "same", stamp, "stamp comes twice");
+      if (step_s == 0.0 && report.has_header && expectation && !expectation->repeated_stamps)
+        note(topic, "same", stamp, "stamp comes twice");
       if (expectation && expectation->max_gap_s && step_s > *expectation->max_gap_s)
         note(topic, "gap", stamp,
              "gap of " + seconds(step_s) + " before it, allowed " + seconds(*expectation->max_gap_s));
@@ -153,7 +168,7 @@ class Checker {
       const std::string& child = transform.child_frame_id;
       const auto known = parents_.emplace(child, transform.header.frame_id);
       if (!known.second && known.first->second != transform.header.frame_id)
-        note(message.getTopic(), "parents", message.getTime(),
+        note(absolute(message.getTopic()), "parents", message.getTime(),
              "frame '" + child + "' has two parents: '" + known.first->second + "' and '" +
                  transform.header.frame_id + "'");
       tf_frames_.insert(child);
@@ -216,6 +231,12 @@ TopicExpectation parseExpectation(const YAML::Node& node, const std::string& whe
       expectation.frame = value.as<std::string>();
     } else if (key == "required") {
       expectation.required = value.as<bool>();
+    } else if (key == "zero_stamps") {
+      expectation.zero_stamps = value.as<bool>();
+    } else if (key == "no_frame") {
+      expectation.no_frame = value.as<bool>();
+    } else if (key == "repeated_stamps") {
+      expectation.repeated_stamps = value.as<bool>();
     } else if (key == "min_rate_hz") {
       expectation.min_rate_hz = value.as<double>();
     } else if (key == "max_rate_hz") {

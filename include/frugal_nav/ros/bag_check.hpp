@@ -21,6 +21,9 @@ struct TopicExpectation {
   std::optional<double> max_gap_s;    ///< between neighbouring stamps
   std::optional<double> max_delay_s;  ///< between a message's stamp and its recording
   std::string frame;                  ///< of the header; empty for any
+  bool no_frame = false;              ///< the header's frame has no meaning
+  bool zero_stamps = false;           ///< a message may lack its stamp
+  bool repeated_stamps = false;       ///< several messages may rest on one instant
 };
 
 /// The expectations of a YAML file; config/bag_topics.yaml explains its keys. Throws ConfigError.
