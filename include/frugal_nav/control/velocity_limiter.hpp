@@ -11,7 +11,7 @@ namespace frugal_nav {
 struct VelocityLimits {
   double max_v_mps = 0.35;
   double max_reverse_mps = 0.15;
-  double max_w_radps = 1.5;
+  double max_w_radps = 1.0;
   double max_wheel_mps = 0.6;
   double accel_mps2 = 0.6;
   double decel_mps2 = 1.0;
@@ -23,7 +23,8 @@ struct VelocityLimits {
     visit("max_v_mps", max_v_mps, Field{"m/s", "fastest forward: a person steps aside in time", 0.01, 5.0});
     visit("max_reverse_mps", max_reverse_mps, Field{"m/s", "fastest backward; 0: never", 0.0, 5.0});
     visit("max_w_radps", max_w_radps,
-          Field{"rad/s", "fastest turn: a scan of 0.1 s is smeared by 9 degrees", 0.05, 10.0});
+          Field{"rad/s", "fastest turn: the tyres slip with the turn rate, which odometry cannot see", 0.05,
+                10.0});
     visit("max_wheel_mps", max_wheel_mps,
           Field{"m/s", "fastest rim of a wheel: well inside what the motors reach", 0.01, 10.0});
     visit("accel_mps2", accel_mps2, Field{"m/s^2", "speeding up: above it the small tyres slip", 0.05, 20.0});
