@@ -20,11 +20,13 @@ void requireFile(const std::string& file) {
 }
 
 /// OpenCV reads past the end of a Darknet weights file without a word: its length is the one sign of a
-/// broken download. Header of three integers and the count of images seen (8 bytes; 4 in old files).
+/// broken download. A header of four or five 32-bit integers stands before the numbers.
 void requireAllWeights(cv::dnn::Net& net, const std::string& weights_file) {
   std::size_t numbers = 0;
   for (const cv::String& name : net.getLayerNames()) {
-    for (const cv::Mat& blob : net.getLayer(net.getLayerId(name))->blobs) numbers += blob.total();
+    const cv::Ptr<cv::dnn::Layer> layer = net.getLayer(net.getLayerId(name));
+    if (layer->type == "Region") continue;  // its numbers are the .cfg's anchors
+    for (const cv::Mat& blob : layer->blobs) numbers += blob.total();
   }
   std::ifstream in(weights_file, std::ios::binary | std::ios::ate);
   const auto bytes = static_cast<std::size_t>(in.tellg());

@@ -1,0 +1,36 @@
+#include <frugal_nav/perception/yolo_detector.hpp>
+
+namespace frugal_nav {
+
+const std::vector<std::string>& cocoLabels() {
+  static const std::vector<std::string> kLabels = {"person",        "bicycle",      "car",
+                                                   "motorcycle",    "airplane",     "bus",
+                                                   "train",         "truck",        "boat",
+                                                   "traffic light", "fire hydrant", "stop sign",
+                                                   "parking meter", "bench",        "bird",
+                                                   "cat",           "dog",          "horse",
+                                                   "sheep",         "cow",          "elephant",
+                                                   "bear",          "zebra",        "giraffe",
+                                                   "backpack",      "umbrella",     "handbag",
+                                                   "tie",           "suitcase",     "frisbee",
+                                                   "skis",          "snowboard",    "sports ball",
+                                                   "kite",          "baseball bat", "baseball glove",
+                                                   "skateboard",    "surfboard",    "tennis racket",
+                                                   "bottle",        "wine glass",   "cup",
+                                                   "fork",          "knife",        "spoon",
+                                                   "bowl",          "banana",       "apple",
+                                                   "sandwich",      "orange",       "broccoli",
+                                                   "carrot",        "hot dog",      "pizza",
+                                                   "donut",         "cake",         "chair",
+                                                   "couch",         "potted plant", "bed",
+                                                   "dining table",  "toilet",       "tv",
+                                                   "laptop",        "mouse",        "remote",
+                                                   "keyboard",      "cell phone",   "microwave",
+                                                   "oven",          "toaster",      "sink",
+                                                   "refrigerator",  "book",         "clock",
+                                                   "vase",          "scissors",     "teddy bear",
+                                                   "hair drier",    "toothbrush"};
+  return kLabels;
+}
+
+}  // namespace frugal_nav
