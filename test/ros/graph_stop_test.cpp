@@ -155,7 +155,7 @@ class GraphStopTest : public testing::Test {
   bool stands() const { return !commands_.empty() && commands_.back().isZero(); }
 
   /// The base must stand within `limit_s` of simulated time after `since`, and go on standing.
-  void expectStop(const ros::Time& since, double limit_s) {
+  void expectStop(ros::Time since, double limit_s) {
     ASSERT_TRUE(stepUntil([this] { return stands(); }, 30.0)) << "the base never stood";
     const double took_s = (now_ - since).toSec();
     std::printf("stood %.2f s after the last input\n", took_s);
