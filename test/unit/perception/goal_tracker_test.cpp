@@ -1,0 +1,197 @@
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <frugal_nav/common/random.hpp>
+#include <frugal_nav/perception/goal_tracker.hpp>
+
+namespace frugal_nav {
+namespace {
+
+using State = GoalTracker::State;
+
+HeadSighting sightingAt(double x_m, double y_m, double score = 0.9, double sigma_m = 0.1) {
+  HeadSighting sighting;
+  sighting.status = HeadSighting::Status::kGood;
+  sighting.score = score;
+  sighting.p_base = {x_m, y_m};
+  sighting.range_m = sighting.p_base.norm();
+  sighting.above_floor_m = 1.6;
+  sighting.noise_m2 = sigma_m * sigma_m * Eigen::Matrix2d::Identity();
+  return sighting;
+}
+
+/// Feeds a tracker at 10 Hz.
+class GoalTracking : public testing::Test {
+ protected:
+  State frame(const std::vector<HeadSighting>& sightings, bool could_see = true) {
+    time_s_ += 0.1;
+    return tracker_.update(stampFromSeconds(time_s_), odom_from_base_, sightings, could_see);
+  }
+  void findGoalAt(double x_m, double y_m) {
+    for (int i = 0; i < 3; ++i) frame({sightingAt(x_m, y_m)});
+    ASSERT_EQ(tracker_.state(), State::kSeen);
+  }
+
+  GoalTracker tracker_{GoalTrackerParams{}};
+  Pose2 odom_from_base_;
+  double time_s_ = 100.0;
+};
+
+TEST_F(GoalTracking, WantsMoreThanOneSighting) {
+  EXPECT_EQ(frame({sightingAt(3, 0)}), State::kNone);
+  EXPECT_EQ(frame({sightingAt(3, 0)}), State::kNone);
+  EXPECT_FALSE(tracker_.goal());
+  EXPECT_EQ(frame({sightingAt(3, 0)}), State::kSeen);
+  ASSERT_TRUE(tracker_.goal());
+  EXPECT_EQ(tracker_.goal()->sightings, 3);
+}
+
+TEST_F(GoalTracking, IsNotFooledByScatteredFalseDetections) {
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(frame({sightingAt(2.0 + i % 5, i % 3 - 1.0)}), State::kNone) << i;
+}
+
+TEST_F(GoalTracking, ForgetsSightingsThatAreTooFarApart) {
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(frame({sightingAt(3, 0)}), State::kNone);
+    time_s_ += 1.5;
+  }
+}
+
+TEST_F(GoalTracking, AMissedFrameIsNotALostGoal) {
+  findGoalAt(3, 1);
+  EXPECT_EQ(frame({}), State::kUnseen);
+  ASSERT_TRUE(tracker_.goal());
+  EXPECT_NEAR(tracker_.goal()->p_odom.x(), 3.0, 1e-9);
+  EXPECT_EQ(frame({sightingAt(3, 1)}), State::kSeen);
+}
+
+TEST_F(GoalTracking, IsLostAfterTheTimeOutAndFoundAgain) {
+  findGoalAt(3, 1);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(frame({}), State::kUnseen) << i;
+  EXPECT_EQ(frame({}), State::kLost);
+  EXPECT_FALSE(tracker_.goal());
+  EXPECT_EQ(frame({}), State::kLost);
+  frame({sightingAt(5, -1)});
+  EXPECT_EQ(frame({sightingAt(5, -1)}), State::kLost);
+  EXPECT_EQ(frame({sightingAt(5, -1)}), State::kSeen);
+  EXPECT_NEAR(tracker_.goal()->p_odom.x(), 5.0, 1e-9);
+}
+
+TEST_F(GoalTracking, KeepsAGoalThatCannotBeSeen) {
+  findGoalAt(1.5, 0);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(frame({}, false), State::kUnseen);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(frame({}, true), State::kUnseen);
+  EXPECT_EQ(frame({}, true), State::kLost);
+  findGoalAt(1.5, 0);
+  time_s_ += 61.0;  // forget_unseeable_s
+  EXPECT_EQ(frame({}, false), State::kLost);
+}
+
+TEST_F(GoalTracking, StandsStillInOdomWhileTheRobotMoves) {
+  findGoalAt(3, 0);
+  // At (1, 1), turned left by a quarter: the goal at (3, 0) lies 1 m behind and 2 m to the right.
+  odom_from_base_ = {1.0, 1.0, M_PI / 2};
+  EXPECT_EQ(frame({sightingAt(-1, -2)}), State::kSeen);
+  EXPECT_NEAR(tracker_.goal()->p_odom.x(), 3.0, 1e-9);
+  EXPECT_NEAR(tracker_.goal()->p_odom.y(), 0.0, 1e-9);
+}
+
+TEST_F(GoalTracking, TurnsTheUncertaintyIntoOdom) {
+  odom_from_base_ = {0.0, 0.0, M_PI / 2};
+  HeadSighting sighting = sightingAt(3, 0);
+  sighting.noise_m2 << 0.04, 0.0, 0.0, 0.0001;  // uncertain along the ray, which is odom's y
+  sighting.common_m2 << 0.0225, 0.0, 0.0, 0.0;
+  for (int i = 0; i < 3; ++i) frame({sighting});
+  const Eigen::Matrix2d covariance = tracker_.goal()->covariance_m2;
+  // Three frames average the noise; the head's size stays. The drift adds 5e-5 m^2 a frame at most.
+  EXPECT_NEAR(covariance(1, 1), 0.04 / 3 + 0.0225, 2e-4);
+  EXPECT_NEAR(covariance(0, 0), 0.0001 / 3, 2e-4);
+}
+
+TEST_F(GoalTracking, KeepsByALowerScoreThanItStarts) {
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(frame({sightingAt(3, 0, 0.4)}), State::kNone);
+  findGoalAt(3, 0);
+  EXPECT_EQ(frame({sightingAt(3, 0, 0.3)}), State::kSeen);
+  EXPECT_EQ(frame({sightingAt(3, 0, 0.2)}), State::kUnseen);
+}
+
+TEST_F(GoalTracking, KeepsToItsClass) {
+  findGoalAt(3, 0);
+  HeadSighting other = sightingAt(3, 0);
+  other.class_id = 7;
+  EXPECT_EQ(frame({other}), State::kUnseen);
+}
+
+TEST_F(GoalTracking, KeepsToItsPlaceWhenAnotherPersonIsSeen) {
+  findGoalAt(3, 0);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(frame({sightingAt(4, 2, 0.99), sightingAt(3, 0, 0.6)}), State::kSeen);
+    EXPECT_NEAR(tracker_.goal()->p_odom.x(), 3.0, 0.01);
+  }
+  EXPECT_EQ(frame({sightingAt(4, 2, 0.99)}), State::kUnseen);
+  EXPECT_NEAR(tracker_.goal()->p_odom.x(), 3.0, 0.01);
+}
+
+TEST_F(GoalTracking, FollowsAGoalThatWalksSlowly) {
+  findGoalAt(3, 0);
+  double y_m = 0.0;
+  for (int i = 0; i < 50; ++i) {
+    y_m += 0.03;  // 0.3 m/s
+    EXPECT_EQ(frame({sightingAt(3, y_m)}), State::kSeen);
+  }
+  EXPECT_NEAR(tracker_.goal()->p_odom.y(), y_m, 0.35);  // behind by no more than the gate lets it be
+}
+
+TEST_F(GoalTracking, IgnoresSightingsThatAreNotGood) {
+  findGoalAt(3, 0);
+  HeadSighting cut_off = sightingAt(3, 0);
+  cut_off.status = HeadSighting::Status::kCutOff;
+  EXPECT_EQ(frame({cut_off}), State::kUnseen);
+  HeadSighting broken = sightingAt(std::nan(""), 0);
+  EXPECT_EQ(frame({broken}), State::kUnseen);
+  EXPECT_TRUE(tracker_.goal()->p_odom.allFinite());
+}
+
+TEST_F(GoalTracking, StartsAnewWhenTimeJumpsBack) {
+  findGoalAt(3, 0);
+  time_s_ = 50.0;
+  EXPECT_EQ(frame({sightingAt(3, 0)}), State::kNone);
+  EXPECT_FALSE(tracker_.goal());
+}
+
+TEST_F(GoalTracking, TakesAFrameOnce) {
+  frame({sightingAt(3, 0)});
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(tracker_.update(stampFromSeconds(time_s_), {}, {sightingAt(3, 0)}, true), State::kNone);
+  }
+}
+
+// Ten frames of independent noise: the error falls by sqrt(10) = 3.16 on average; the drift lets it be a
+// little more.
+TEST(GoalTracker, AveragesTheNoiseOverTenFrames) {
+  Random random(500003);
+  const double sigma = 0.2;
+  double single = 0.0;
+  double tracked = 0.0;
+  const int trials = 500;
+  for (int trial = 0; trial < trials; ++trial) {
+    GoalTrackerParams params;
+    params.confirm_sightings = 1;
+    GoalTracker tracker(params);
+    HeadSighting sighting;
+    for (int i = 1; i <= 10; ++i) {
+      sighting = sightingAt(4 + random.normal(sigma), random.normal(sigma), 0.9, sigma);
+      tracker.update(stampFromSeconds(0.1 * i), Pose2{}, {sighting}, true);
+    }
+    const Eigen::Vector2d truth(4, 0);
+    single += (sighting.p_base - truth).squaredNorm();
+    if (tracker.goal()) tracked += (tracker.goal()->p_odom - truth).squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(tracked / single), 0.36);  // 1 / 3.16 = 0.316, good to 3 % with 500 trials
+  EXPECT_GT(std::sqrt(tracked / single), 0.29);
+}
+
+}  // namespace
+}  // namespace frugal_nav
