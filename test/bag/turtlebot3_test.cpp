@@ -2,6 +2,7 @@
 // package fuse, in data/bags of the folder that FRUGAL_NAV_SHARED names).
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -28,8 +29,8 @@ TEST(Turtlebot3, WheelOdometryFollowsTheRobotsOwn) {
   if (!std::ifstream(path))
     GTEST_SKIP() << "no " << path << ": set FRUGAL_NAV_SHARED to the folder of shared data";
 
-  // Geometry of the TurtleBot3 Burger, from its manual; angles come 30 times a second.
-  WheelOdometry wheels(WheelOdometryParams{}, {0.033, 0.160});
+  // Geometry of the TurtleBot3 Waffle, from its manual; angles come 30 times a second.
+  WheelOdometry wheels(WheelOdometryParams{}, {0.033, 0.287});
   OdometryBuffer own(fromSeconds(300.0));
   std::vector<Odometry> ours;
   rosbag::Bag bag(path);
@@ -48,23 +49,33 @@ TEST(Turtlebot3, WheelOdometryFollowsTheRobotsOwn) {
   }
   ASSERT_GT(ours.size(), 2000U);
 
-  double length_m = 0.0;
-  double worst_m = 0.0;
-  std::optional<Pose2> own_from_ours;
-  Pose2 last;
-  for (const Odometry& odometry : ours) {
-    const auto theirs = own.at(odometry.stamp);
-    if (!theirs) continue;
-    if (!own_from_ours) own_from_ours = theirs->odom_from_base * odometry.odom_from_base.inverse();
-    length_m += distance(last, odometry.odom_from_base);
-    last = odometry.odom_from_base;
-    worst_m = std::max(worst_m, distance(theirs->odom_from_base, *own_from_ours * odometry.odom_from_base));
+  // The robot's own odometry takes its heading from the IMU, and the way turns by 30 rad in all: the headings
+  // part. So what is compared is the motion of each second.
+  constexpr std::size_t kSecond = 30;
+  double ours_m = 0.0;
+  double theirs_m = 0.0;
+  double squares_m2 = 0.0;
+  int seconds = 0;
+  for (std::size_t i = kSecond; i < ours.size(); i += kSecond) {
+    const auto from = own.at(ours[i - kSecond].stamp);
+    const auto to = own.at(ours[i].stamp);
+    if (!from || !to) continue;
+    const Pose2 our_motion = ours[i - kSecond].odom_from_base.inverse() * ours[i].odom_from_base;
+    const Pose2 their_motion = from->odom_from_base.inverse() * to->odom_from_base;
+    ours_m += our_motion.position().norm();
+    theirs_m += their_motion.position().norm();
+    squares_m2 += (our_motion.position() - their_motion.position()).squaredNorm();
+    ++seconds;
   }
-  EXPECT_GT(length_m, 1.0);
-  // The robot's own odometry takes its heading from the IMU: ours may differ by the slip in its turns.
-  EXPECT_LT(worst_m, 0.05 * length_m);
-  RecordProperty("length_mm", static_cast<int>(1000.0 * length_m));
-  RecordProperty("worst_mm", static_cast<int>(1000.0 * worst_m));
+  ASSERT_GT(seconds, 80);
+  EXPECT_GT(ours_m, 20.0);
+  EXPECT_NEAR(ours_m, theirs_m, 0.02 * theirs_m);
+  // In a second it drives 0.28 m; a heading that is off by a tenth of a turn's 0.6 rad displaces that by 8
+  // mm, and stamps that differ by one of its periods by 9 mm.
+  EXPECT_LT(std::sqrt(squares_m2 / seconds), 0.02);
+  RecordProperty("rms_mm_per_second", static_cast<int>(1000.0 * std::sqrt(squares_m2 / seconds)));
+  RecordProperty("ours_mm", static_cast<int>(1000.0 * ours_m));
+  RecordProperty("theirs_mm", static_cast<int>(1000.0 * theirs_m));
 }
 
 }  // namespace

@@ -1,0 +1,90 @@
+// Wheel odometry, one control cycle of the base, and the whole LIDAR drive in the simulator.
+
+#include <benchmark/benchmark.h>
+
+#include <frugal_nav/eval/lidar_stack.hpp>
+#include <frugal_nav/eval/random_world.hpp>
+#include <frugal_nav/sim/simulator.hpp>
+
+namespace frugal_nav {
+namespace {
+
+/// A box on wheels of frugal_bot's size: the program reads no files.
+RobotModel boxRobot() {
+  RobotModel robot;
+  robot.name = "box";
+  robot.drive = {"left", "right", 0.21, 0.033};
+  robot.footprint = {{-0.16, -0.125}, {0.12, -0.125}, {0.12, 0.125}, {-0.16, 0.125}};
+  Eigen::Isometry3d middle = Eigen::Isometry3d::Identity();
+  middle.translation() = Eigen::Vector3d(-0.02, 0.0, 0.105);
+  robot.collisions.push_back({"base_link", BoxShape{{0.28, 0.25, 0.05}}, middle, {}});
+  robot.base_from_link["laser"] = Eigen::Isometry3d(Eigen::Translation3d(0.02, 0.0, 0.18));
+  robot.base_from_link["imu_link"] = Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.06));
+  return robot;
+}
+
+/// A drive through a random room; the same every time.
+struct Drive {
+  RobotModel robot = boxRobot();
+  eval::LidarStackParams params;
+  eval::RandomWorld world = eval::makeRandomWorld(500001, robot.circumradius_m() + 0.1);
+  sim::SimulatorParams simulator_params;
+};
+
+void wheelOdometry(benchmark::State& state) {
+  const Drive drive;
+  WheelOdometry odometry(drive.params.odometry, {drive.robot.drive.radius_m, drive.robot.drive.separation_m});
+  std::int64_t tick = 0;
+  for (auto _ : state) {
+    tick += 20;
+    benchmark::DoNotOptimize(
+        odometry.addTicks(Stamp(tick * std::chrono::milliseconds(1)), tick, tick + tick / 9));
+  }
+}
+BENCHMARK(wheelOdometry)->Unit(benchmark::kMicrosecond);
+
+/// Drives until the robot is on its way, then repeats control cycles on the newest ticks and scan.
+void controlCycle(benchmark::State& state) {
+  const Drive drive;
+  sim::Simulator simulator(drive.world.scene, drive.robot, drive.simulator_params, 1, drive.world.start);
+  eval::LidarStack stack(drive.params, drive.robot);
+  stack.setGoal(drive.world.start.inverse() * drive.world.goal, simulator.stamp());
+  sim::WheelTicks ticks;
+  while (toSeconds(simulator.stamp() - sim::kStartTime) < 5.0) {
+    const sim::SimOutput output = simulator.step();
+    if (output.ticks) {
+      ticks = *output.ticks;
+      simulator.setCommand(stack.addTicks(ticks.stamp, ticks.left, ticks.right).velocity);
+    }
+    if (output.scan) simulator.setCommand(stack.addScan(*output.scan).velocity);
+  }
+  for (auto _ : state) {
+    ticks.stamp += std::chrono::microseconds(1);  // the scan must not grow stale
+    benchmark::DoNotOptimize(stack.addTicks(ticks.stamp, ticks.left, ticks.right));
+  }
+}
+BENCHMARK(controlCycle)->Unit(benchmark::kMicrosecond)->Iterations(20000);
+
+/// The counter says how many seconds are simulated in one.
+void lidarDrive(benchmark::State& state) {
+  const Drive drive;
+  double simulated_s = 0.0;
+  for (auto _ : state) {
+    sim::Simulator simulator(drive.world.scene, drive.robot, drive.simulator_params, 1, drive.world.start);
+    eval::LidarStack stack(drive.params, drive.robot);
+    stack.setGoal(drive.world.start.inverse() * drive.world.goal, simulator.stamp());
+    while (stack.mission().active()) {
+      const sim::SimOutput output = simulator.step();
+      if (output.ticks)
+        simulator.setCommand(
+            stack.addTicks(output.ticks->stamp, output.ticks->left, output.ticks->right).velocity);
+      if (output.scan) simulator.setCommand(stack.addScan(*output.scan).velocity);
+    }
+    simulated_s += toSeconds(simulator.stamp() - sim::kStartTime);
+  }
+  state.counters["x_real_time"] = benchmark::Counter(simulated_s, benchmark::Counter::kIsRate);
+}
+BENCHMARK(lidarDrive)->Unit(benchmark::kMillisecond)->Iterations(5);
+
+}  // namespace
+}  // namespace frugal_nav
