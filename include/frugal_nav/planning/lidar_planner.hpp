@@ -63,7 +63,7 @@ class LidarPlanner {
  public:
   LidarPlanner(const LidarPlannerParams& params, const BodyExtent& body);
 
-  /// Where to go, in odom; nothing: nowhere. Throws nothing; a goal that is not finite gives kStopped.
+  /// Where to go, in odom; nothing: nowhere. A goal that is not finite gives kStopped.
   void setGoal(const std::optional<Pose2>& odom_from_goal);
 
   /// Takes a scan in and plans. `odom_from_base` is the pose at the scan's stamp.

@@ -165,6 +165,17 @@ TEST_F(LidarPlannerTest, KeepsItsWayBetweenTwoEqualOnes) {
   }
 }
 
+TEST_F(LidarPlannerTest, ANewGoalOwesNothingToTheOldWay) {
+  FlatWorld world = room;
+  world.box(2.0, -0.6, 2.4, 0.6);
+  planner.setGoal(Pose2{4.5, 0.8, 0.0});
+  const LidarPlan left = planFrom(world, {});
+  planner.setGoal(Pose2{4.5, -0.15, 0.0});
+  const LidarPlan right = planFrom(world, {}, 0.1);
+  EXPECT_GT(left.path[left.path.size() / 2].y_m, 0.0);
+  EXPECT_LT(right.path[right.path.size() / 2].y_m, 0.0);
+}
+
 TEST_F(LidarPlannerTest, TakesTheOtherWayWhenItsOwnIsClosed) {
   FlatWorld open = room;
   open.box(2.0, -2.5, 2.4, -1.2).box(2.0, -0.5, 2.4, 1.2);  // doors below and above

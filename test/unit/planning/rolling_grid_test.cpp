@@ -80,6 +80,14 @@ TEST_F(RollingGridTest, GainsAndLosesCertainty) {
   EXPECT_EQ(stateAt(2.025, 0.025), State::kOccupied);
 }
 
+TEST_F(RollingGridTest, ManyHitsOfOneScanCountOnce) {
+  LaserScan two = beam(2.0F);
+  two.angle_increment_rad = 1e-4;
+  two.ranges_m = {2.0F, 2.0F};
+  grid.insert(two, kMiddle);
+  EXPECT_EQ(certaintyAt(2.025, 0.025), 4);
+}
+
 TEST_F(RollingGridTest, HitOutweighsRaysOfTheSameScan) {
   LaserScan two = beam(3.0F);
   two.angle_increment_rad = 1e-4;

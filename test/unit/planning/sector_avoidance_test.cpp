@@ -91,6 +91,7 @@ TEST_F(SectorAvoidanceTest, IgnoresReturnsBeyondTheGoal) {
   EXPECT_EQ(command.status, Status::kDriving);
   EXPECT_NEAR(command.odom_from_target.x_m, 0.45, 1e-9);
   EXPECT_NEAR(command.odom_from_target.y_m, 0.0, 1e-9);
+  for (int i = 0; i < 72; ++i) EXPECT_TRUE(sectors.decision().ring.isFree(i)) << i;
 }
 
 TEST_F(SectorAvoidanceTest, GoesStraightToAGoalNearerThanTheObstaclesThere) {
@@ -118,10 +119,9 @@ TEST_F(SectorAvoidanceTest, TieGoesToThePreviousDirection) {
   EXPECT_NEAR(chosenDeg(), -30.0, 1e-9);
 }
 
-TEST_F(SectorAvoidanceTest, ThePreviousDirectionTurnsWithTheWorld) {
-  // Went to odom's +y; then the robot has turned left by 90 degrees, so that this is straight ahead. An
-  // obstacle lies there and the goal behind it: what counts is the direction in odom.
-  planFor(scanOf({}), {3.0, -0.5});  // previous: -9.5 degrees in odom
+TEST_F(SectorAvoidanceTest, ThePreviousDirectionStaysInTheWorld) {
+  planFor(scanOf({}), {3.0, 3.0 * std::tan(10.0 * kDeg)});  // 10 degrees to the left in odom
+  // Turned left by 40 degrees, that direction lies 30 degrees to the right.
   const Pose2 turned{0.0, 0.0, 40.0 * kDeg};
   planFor(scanOf({{0, 0.9}}), turned * Eigen::Vector2d(3.0, 0.0), turned);
   EXPECT_NEAR(chosenDeg(), -30.0, 1e-9);
@@ -169,6 +169,19 @@ TEST_F(SectorAvoidanceTest, NarrowsOnlyAsFarAsNeeded) {
   EXPECT_EQ(narrowing(1.6), 0);
   EXPECT_EQ(narrowing(0.6), 1);
   EXPECT_GT(narrowing(0.42), 1);
+}
+
+TEST_F(SectorAvoidanceTest, PrefersANarrowWayOnToAWideWayBack) {
+  // At the mouth of a passage of 0.6 m, with free space behind; its end hides the goal.
+  const FlatWorld mouth =
+      FlatWorld().box(0.2, 0.3, 5.0, 2.0).box(0.2, -2.0, 5.0, -0.3).wall(5.0, -0.3, 5.0, 0.3);
+  planFor(mouth.scan({}), {8.0, 0.0});
+  EXPECT_NEAR(chosenDeg(), 0.0, 1e-9);
+  // The paper's rule alone turns away.
+  params.max_detour_rad = 3.1416;
+  sectors = SectorAvoidance(params, kBody);
+  planFor(mouth.scan({}), {8.0, 0.0});
+  EXPECT_GT(std::abs(chosenDeg()), 90.0);
 }
 
 TEST_F(SectorAvoidanceTest, ReportsBlockedWhenTheBodyDoesNotFit) {
