@@ -176,6 +176,18 @@ TEST_P(RawHeads, FollowDarknet) {
 
 INSTANTIATE_TEST_SUITE_P(Layouts, RawHeads, testing::Values(true, false));
 
+TEST(DecodeRawHeads, TakeObjectnessAloneOfOneClass) {
+  cv::Mat head = tensor({1, 1, 2, 3, 6});
+  for (int cell = 0; cell < 6; ++cell) setRow(head, cell, {0, 0, 0, 0, -10, 0});
+  setRow(head, 4, {0, 0, 0, 0, std::log(4.0F), -5});
+  AnchorOptions anchors;
+  anchors.anchors = {10, 12};
+  const DecodedBoxes decoded = decodeRawHeads({head}, anchors, options(1, {96, 64}));
+  ASSERT_EQ(decoded.boxes.size(), 1U);
+  EXPECT_NEAR(decoded.boxes[0].score, 0.8, 1e-6);
+  expectBox(decoded.boxes[0], 1.5 * 32 - 5, 1.5 * 32 - 6, 10, 12);
+}
+
 TEST(DecodeRawHeads, WantsAnchorsThatShareOut) {
   AnchorOptions anchors;
   anchors.anchors = {4, 5, 10};

@@ -1,0 +1,130 @@
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <opencv2/core.hpp>
+
+#include <frugal_nav/perception/goal_finder.hpp>
+
+namespace frugal_nav {
+namespace {
+
+using State = GoalTracker::State;
+using testing::HasSubstr;
+
+/// Finds a bright rectangle.
+class BrightBoxDetector : public Detector {
+ public:
+  std::vector<Detection> detect(const cv::Mat& bgr) override {
+    if (!accept(bgr)) return {};
+    cv::Mat bright;
+    cv::inRange(bgr, cv::Scalar::all(200), cv::Scalar::all(255), bright);
+    std::vector<cv::Point> points;
+    cv::findNonZero(bright, points);
+    if (points.empty()) return {};
+    cv::Point low = points[0];
+    cv::Point high = points[0];
+    for (const cv::Point& p : points) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+    return {{0, "head", 0.9, cv::Rect2d(cv::Rect(low, high + cv::Point(1, 1)))}};
+  }
+};
+
+class GoalFinding : public testing::Test {
+ protected:
+  GoalFinding() : finder_(std::make_unique<BrightBoxDetector>(), flatHead(), GoalTrackerParams{}) {
+    view_.camera.width_px = 640;
+    view_.camera.height_px = 480;
+    view_.camera.fx = view_.camera.fy = 500.0;
+    view_.camera.cx = 319.5;
+    view_.camera.cy = 239.5;
+    view_.base_from_optical.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+    view_.base_from_optical.translation().z() = 0.4;
+    show({200, 40, 40, 50});
+  }
+  static HeadRangeParams flatHead() {
+    HeadRangeParams params;
+    params.head_height_m = 0.25;
+    params.head_depth_m = 0.0;
+    return params;
+  }
+  void show(const cv::Rect& head, const cv::Size& size = {640, 480}) {
+    view_.bgr = cv::Mat(size, CV_8UC3, cv::Scalar::all(100));
+    view_.bgr(head).setTo(cv::Scalar::all(250));
+  }
+  GoalFrame frame() {
+    view_.stamp += fromSeconds(0.1);
+    return finder_.look(view_);
+  }
+
+  GoalView view_;
+  GoalFinder finder_;
+};
+
+// Z = 500 * 0.25 / 50 = 2.5 m; the box's centre at 220 is 100 px left of 320: y = 0.5 m.
+TEST_F(GoalFinding, PutsTheHeadIntoOdom) {
+  view_.odom_from_base = {1.0, 2.0, M_PI / 2};
+  frame();
+  frame();
+  const GoalFrame found = frame();
+  EXPECT_EQ(found.fault, "");
+  ASSERT_EQ(found.state, State::kSeen);
+  EXPECT_NEAR(found.goal->p_odom.x(), 1.0 - 0.5, 1e-9);
+  EXPECT_NEAR(found.goal->p_odom.y(), 2.0 + 2.5, 1e-9);
+  ASSERT_EQ(found.sightings.size(), 1U);
+  EXPECT_EQ(found.sightings[0].status, HeadSighting::Status::kGood);
+}
+
+TEST_F(GoalFinding, TakesResizedImages) {
+  show({100, 20, 20, 25}, {320, 240});
+  frame();
+  frame();
+  const GoalFrame found = frame();
+  ASSERT_EQ(found.state, State::kSeen);
+  EXPECT_NEAR(found.goal->p_odom.x(), 2.5, 1e-9);
+  EXPECT_NEAR(found.goal->p_odom.y(), 0.5, 1e-9);
+}
+
+TEST_F(GoalFinding, SaysWhyAnImageCannotBeUsedAndRecovers) {
+  const GoalView sound = view_;
+  for (int i = 0; i < 3; ++i) frame();
+  view_.bgr = cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(0));
+  EXPECT_EQ(frame().fault, "the image is black");
+  EXPECT_EQ(frame().state, State::kUnseen);
+  view_.bgr = cv::Mat(480, 640, CV_8UC1, cv::Scalar::all(90));
+  EXPECT_THAT(frame().fault, HasSubstr("CV_8UC1"));
+  view_.bgr = cv::Mat(480, 480, CV_8UC3, cv::Scalar::all(90));
+  EXPECT_THAT(frame().fault, HasSubstr("480x480"));
+  view_.bgr = sound.bgr;
+  view_.camera.fx = view_.camera.fy = 0.0;
+  EXPECT_THAT(frame().fault, HasSubstr("fx = 0"));
+  for (int i = 0; i < 20; ++i) frame();
+  EXPECT_EQ(frame().state, State::kLost);
+  EXPECT_FALSE(frame().goal);
+  view_.camera = sound.camera;
+  view_.odom_from_base.x_m = std::nan("");
+  EXPECT_THAT(frame().fault, HasSubstr("odometry"));
+  view_.odom_from_base = Pose2{};
+  frame();
+  frame();
+  EXPECT_EQ(frame().state, State::kSeen);
+}
+
+// The head seen at 2.5 m is 0.4 + 2.5 * 175 / 500 = 1.275 m up: from 1 m nearer its top is 1.0 / 1.5 of the
+// focal length above the middle, out of the image's upper half of 240 px.
+TEST_F(GoalFinding, KeepsAGoalTooNearToBeInView) {
+  for (int i = 0; i < 3; ++i) frame();
+  view_.odom_from_base.x_m = 1.0;
+  view_.bgr.setTo(cv::Scalar::all(100));
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(frame().state, State::kUnseen);
+  view_.odom_from_base.x_m = 0.0;  // back where it should be seen
+  for (int i = 0; i < 20; ++i) frame();
+  EXPECT_EQ(frame().state, State::kLost);
+}
+
+}  // namespace
+}  // namespace frugal_nav
