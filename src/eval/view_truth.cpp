@@ -27,10 +27,9 @@ std::vector<cv::Point2d> pixelRays(const Viewpoint& view) {
   return rays;
 }
 
-/// Height of the chin in the frame of the head's visual, which stands at the neck's base [m].
-double chinHeight(const sim::PersonBody& body) {
-  const double crown = body.height_m - body.neck_height_m;
-  return crown - 2.0 * kHalfHead_m * std::sqrt(body.height_m / kCommonHeight_m);
+/// Height of the skull from chin to crown [m].
+double skullHeight(const sim::PersonBody& body) {
+  return 2.0 * kHalfHead_m * std::sqrt(body.height_m / kCommonHeight_m);
 }
 
 /// The pixels of one person's head or body and the outline it would have in full view.
@@ -58,20 +57,21 @@ class PersonView {
         model_(scene.models[static_cast<std::size_t>(body.model)]),
         view_(view),
         optical_from_world_(view.world_from_optical.inverse()),
-        chin_m_(chinHeight(body)) {}
+        crown_m_(body.height_m - body.neck_height_m),
+        chin_m_(crown_m_ - skullHeight(body)) {}
 
   int model() const { return body_.model; }
   int headMesh() const { return headVisual().mesh; }
 
-  /// Whether a point of the head's mesh lies above the chin.
-  bool isAboveChin(const Eigen::Vector3d& p_optical) const {
+  /// Whether a point of the head's mesh lies between chin and crown.
+  bool isSkull(const Eigen::Vector3d& p_optical) const {
     const Eigen::Isometry3d world_from_head = model_.world_from_model * headVisual().model_from_visual;
-    return (world_from_head.inverse() * (view_.world_from_optical * p_optical)).z() >= chin_m_;
+    return isSkullHeight((world_from_head.inverse() * (view_.world_from_optical * p_optical)).z());
   }
 
   double headDistance_m() const {
     const Eigen::Vector3d middle = model_.world_from_model * headVisual().model_from_visual *
-                                   Eigen::Vector3d(0.0, 0.0, chin_m_ + kHalfHead_m);
+                                   Eigen::Vector3d(0.0, 0.0, 0.5 * (chin_m_ + crown_m_));
     return (middle - view_.world_from_optical.translation()).head<2>().norm();
   }
 
@@ -86,7 +86,7 @@ class PersonView {
       const Eigen::Isometry3d optical_from_mesh =
           optical_from_world_ * model_.world_from_model * visual.model_from_visual;
       for (const Eigen::Vector3f& vertex : scene_.meshes[static_cast<std::size_t>(visual.mesh)].vertices) {
-        if (head_only && static_cast<double>(vertex.z()) < chin_m_) continue;
+        if (head_only && !isSkullHeight(static_cast<double>(vertex.z()))) continue;
         const Eigen::Vector3d p = optical_from_mesh * vertex.cast<double>();
         constexpr double kNearest_m = 0.05;
         if (p.z() < kNearest_m) return 0.0;
@@ -112,6 +112,10 @@ class PersonView {
   }
 
  private:
+  bool isSkullHeight(double z_m) const {
+    constexpr double kSlack_m = 0.002;  // the crown itself belongs to it
+    return z_m >= chin_m_ && z_m <= crown_m_ + kSlack_m;
+  }
   const sim::Visual& headVisual() const { return model_.visuals[static_cast<std::size_t>(body_.head)]; }
 
   const sim::Scene& scene_;
@@ -119,6 +123,8 @@ class PersonView {
   const sim::Model& model_;
   const Viewpoint& view_;
   Eigen::Isometry3d optical_from_world_;
+  // Heights in the frame of the head's visual, which stands at the neck's base [m].
+  double crown_m_;
   double chin_m_;
 };
 
@@ -189,7 +195,7 @@ std::vector<PersonBox> findPeople(const ViewTruth& truth, const sim::Scene& scen
         if (truth.mesh.at<int>(row, column) != person.headMesh()) continue;
         const cv::Point2d& ray = rays[static_cast<std::size_t>(row * truth.model.cols + column)];
         const auto depth = static_cast<double>(truth.depth_m.at<float>(row, column));
-        if (person.isAboveChin(depth * Eigen::Vector3d(ray.x, ray.y, 1.0))) head.add(column, row);
+        if (person.isSkull(depth * Eigen::Vector3d(ray.x, ray.y, 1.0))) head.add(column, row);
       }
     }
     person.append(head, true, boxes);

@@ -34,7 +34,8 @@ const char* const kHelp = R"(usage: make_dataset [options]
   --width PX        image width; the height is three quarters of it (default 416)
   --threads N       scenes rendered at once (default: one a processor)
   --worlds DIR      the package's folder of worlds and textures (default: the installed one)
-Scenes that are already there are kept. It writes for each view, named SEED_VIEW:
+Scenes whose labels are there are skipped; where only labels are missing, only they are made.
+It writes for each view, named SEED_VIEW:
   images/*.jpg      what the camera gives, with its noise and exposure
   depth/*.png       16 bit, millimetres along the optical axis, 65535 for beyond 65 m, without noise
   labels/*.json     camera, light, and boxes: class (0 head, 1 person), centre, width and height as shares
@@ -172,15 +173,20 @@ void renderScene(std::uint64_t seed, const eval::TrainingStock& stock, const Opt
     if (!view) continue;
     const sim::Lighting lighting(view->lighting, tracer, seed + static_cast<std::uint64_t>(v));
     const Eigen::Isometry3d& pose = view->world_from_optical;
-    sim::Camera camera(expose(view->camera, pose, tracer, lighting, random),
+    const fs::path image_path = out / "images" / (nameOf(v) + ".jpg");
+    const fs::path depth_path = out / "depth" / (nameOf(v) + ".png");
+    const bool drawn = fs::exists(image_path) && fs::exists(depth_path);
+    sim::Camera camera(drawn ? view->camera : expose(view->camera, pose, tracer, lighting, random),
                        seed + static_cast<std::uint64_t>(v));
-    const cv::Mat image = camera.render(tracer, lighting, pose, pose, Stamp{}).bgr;
-    const eval::Viewpoint viewpoint{image.size(), camera.cameraMatrix(), camera.distortion(), pose};
+    const cv::Size size(view->camera.width_px, view->camera.height_px);
+    const eval::Viewpoint viewpoint{size, camera.cameraMatrix(), camera.distortion(), pose};
     const eval::ViewTruth truth = eval::traceTruth(tracer, viewpoint);
     const auto boxes = eval::findPeople(truth, place.scene, place.people, viewpoint);
-    write(out / "images" / (nameOf(v) + ".jpg"), image, {cv::IMWRITE_JPEG_QUALITY, 95});
-    write(out / "depth" / (nameOf(v) + ".png"), toMillimetres(truth.depth_m),
-          {cv::IMWRITE_PNG_COMPRESSION, 1});
+    if (!drawn) {
+      const cv::Mat image = camera.render(tracer, lighting, pose, pose, Stamp{}).bgr;
+      write(image_path.string(), image, {cv::IMWRITE_JPEG_QUALITY, 95});
+      write(depth_path.string(), toMillimetres(truth.depth_m), {cv::IMWRITE_PNG_COMPRESSION, 1});
+    }
     std::ofstream label(out / "labels" / (nameOf(v) + ".json"));
     label << describeView(seed, *view, camera, lighting.illuminance_lx(), boxes) << "\n";
     if (!label) throw std::runtime_error("cannot write the label of " + nameOf(v));

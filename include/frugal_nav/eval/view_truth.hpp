@@ -37,8 +37,9 @@ struct PersonBox {
   double distance_m = 0.0;  ///< of the head's middle, on the ground, from the camera
 };
 
-/// Boxes of everybody of whom a pixel is seen. A head reaches from the crown, hair included, down to the
-/// chin: hair that hangs lower is not part of it, so that its height tells the distance.
+/// Boxes of everybody of whom a pixel is seen. A head reaches from the skull's crown down to the chin; hair
+/// counts between these heights only, since what stands or hangs out would belie the distance that the
+/// box's height tells.
 std::vector<PersonBox> findPeople(const ViewTruth& truth, const sim::Scene& scene,
                                   const std::vector<sim::PersonBody>& people, const Viewpoint& view);
 
