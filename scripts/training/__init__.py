@@ -1,0 +1,1 @@
+"""What scripts/train_depth and scripts/train_heads share."""
