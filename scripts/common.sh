@@ -25,7 +25,7 @@ debian_packages="
   python3-dynamic-reconfigure python3-rosbag python3-roslaunch python3-rosnode python3-rosservice python3-rostest
   python3-rostopic
   libassimp-dev libbenchmark-dev libbullet-dev libceres-dev libeigen3-dev libembree-dev libgmock-dev libgtest-dev
-  libopencv-dev libpcl-dev libsdformat-dev libtinyxml2-dev liburdfdom-dev libyaml-cpp-dev nlohmann-json3-dev"
+  libopencv-dev libpcl-dev opencv-data libsdformat-dev libtinyxml2-dev liburdfdom-dev libyaml-cpp-dev nlohmann-json3-dev"
 debian_display_packages="rviz"
 debian_test_packages="catkin-lint clang-format python3-numpy"
 
@@ -36,7 +36,7 @@ ubuntu_packages="
   ros-noetic-rostest ros-noetic-tf2-geometry-msgs ros-noetic-tf2-ros ros-noetic-topic-tools
   ros-noetic-visualization-msgs
   libassimp-dev libbenchmark-dev libbullet-dev libceres-dev libeigen3-dev libembree-dev libgmock-dev libgtest-dev
-  libopencv-dev libpcl-dev libsdformat9-dev libtinyxml2-dev liburdfdom-dev libyaml-cpp-dev nlohmann-json3-dev"
+  libopencv-dev libpcl-dev opencv-data libsdformat9-dev libtinyxml2-dev liburdfdom-dev libyaml-cpp-dev nlohmann-json3-dev"
 ubuntu_display_packages="ros-noetic-rviz"
 ubuntu_test_packages="catkin-lint clang-format python3-numpy"
 
