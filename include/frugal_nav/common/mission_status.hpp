@@ -13,7 +13,8 @@ enum class Mode : std::uint8_t { kIdle, kLidar, kCamera, kAligning, kRecovering,
 /// How far the mission is.
 enum class MissionPhase : std::uint8_t { kIdle, kDriving, kRecovering, kReached, kAborted, kCancelled };
 
-/// What the robot is doing now: what mission/ decides and control/ obeys. The message MissionState carries it.
+/// What the robot is doing now: what mission/ decides and control/ obeys. The message MissionState carries
+/// it.
 struct MissionStatus {
   Stamp stamp{};  ///< of the odometry it rests on
   Mode mode = Mode::kIdle;

@@ -47,7 +47,7 @@ struct Collision {
   Kind kind = Kind::kBox;
   Eigen::Vector3d size_m = Eigen::Vector3d::Ones();  ///< box: side lengths; cylinder, sphere: (radius,
                                                      ///< radius, length); plane: normal
-  int mesh = -1;  ///< index into Scene::meshes, for kMesh
+  int mesh = -1;                                     ///< index into Scene::meshes, for kMesh
   Eigen::Isometry3d model_from_collision = Eigen::Isometry3d::Identity();
 };
 
