@@ -240,6 +240,9 @@ std::string Mission::stoppedReason(Stamp now) const {
   if (params_.drive_mode == "camera") return stale(last_path_) ? "planner stopped: no path from it" : "";
   if (stale(last_local_)) return "avoidance stopped: no command from it";
   if (local_->status == MotionCommand::Status::kStopped) return "avoidance stopped: " + local_->reason;
+  const bool had_time = toSeconds(local_->stamp - goal_start_) > params_.input_timeout_s;
+  if (local_->status == MotionCommand::Status::kIdle && had_time)
+    return "avoidance stopped: it has not heard of the goal";
   return "";
 }
 

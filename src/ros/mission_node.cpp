@@ -215,7 +215,9 @@ void MissionNode::reportEnds() {
 }
 
 void MissionNode::publishStatus() {
-  state_pub_.publish(toRos(mission_.status()));
+  MissionState state = toRos(mission_.status());
+  state.header.frame_id = params_.odom_frame;
+  state_pub_.publish(state);
   const bool aborted = mission_.status().phase == MissionPhase::kAborted;
   diagnostics_.status(
       aborted ? diagnostic_msgs::DiagnosticStatus::WARN : diagnostic_msgs::DiagnosticStatus::OK,

@@ -23,6 +23,10 @@ constexpr double kGoalRadius_m = 0.30;
 constexpr double kStartTimeout_s = 60.0;  // wall time for the graph to come up
 constexpr double kStillTimeout_s = 30.0;  // wall time without any progress of ROS time
 constexpr const char* kWorld = "world";
+constexpr const char* kLocalCommand = "avoidance/command";
+// So many commands of a local planner without a goal, a second's worth, show that the graph is up and
+// connected.
+constexpr int kSettledCommands = 10;
 
 constexpr const char* kUsage =
     "usage: drive_to X Y [YAW] [--frame FRAME] [--timeout S]\n"
@@ -82,6 +86,7 @@ class DriveTo {
     odometry_sub_ = nh_.subscribe("odom", 5, &DriveTo::onOdometry, this);
     truth_sub_ = nh_.subscribe("ground_truth/odom", 5, &DriveTo::onTruth, this);
     contact_sub_ = nh_.subscribe("ground_truth/contact", 100, &DriveTo::onContact, this);
+    local_sub_ = nh_.subscribe(kLocalCommand, 5, &DriveTo::onLocalCommand, this);
     goal_sub_ = nh_.subscribe("mission/goal", 1, &DriveTo::onMissionGoal, this);
   }
 
@@ -98,7 +103,9 @@ class DriveTo {
       spin();
       if (client_.isServerConnected() && odometry_) {
         with_truth_ = isPublished(nh_.resolveName("ground_truth/odom"));
-        if (!with_truth_ || truth_) return true;
+        const bool plans =
+            local_commands_ >= kSettledCommands || !isPublished(nh_.resolveName(kLocalCommand));
+        if (plans && (!with_truth_ || truth_)) return true;
       }
       if ((ros::WallTime::now() - start).toSec() > kStartTimeout_s) {
         std::printf("drive_to: %s\n", client_.isServerConnected()
@@ -231,6 +238,8 @@ class DriveTo {
     truth_ = pose;
   }
 
+  void onLocalCommand(const topic_tools::ShapeShifter&) { ++local_commands_; }
+
   void onContact(const topic_tools::ShapeShifter&) { ++contacts_; }
 
   // The goal as the mission understood it: what the error is measured against when it came in another frame.
@@ -245,12 +254,14 @@ class DriveTo {
   ros::Subscriber truth_sub_;
   ros::Subscriber contact_sub_;
   ros::Subscriber goal_sub_;
+  ros::Subscriber local_sub_;
   std::optional<Pose2> odometry_;  ///< odom_from_base
   std::optional<Pose2> truth_;     ///< world_from_base
   std::optional<Pose2> world_from_odom_;
   std::optional<Pose2> goal_;  ///< odom_from_goal
   bool with_truth_ = false;
   bool sent_ = false;
+  int local_commands_ = 0;
   ros::Time start_;
   ros::Time end_;
   double driven_m_ = 0.0;

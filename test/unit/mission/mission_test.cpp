@@ -219,6 +219,16 @@ TEST(Mission, GivesUpWhenAvoidanceIsGone) {
   EXPECT_EQ(onlyEvent(driver.mission).reason, "avoidance stopped: no command from it");
 }
 
+TEST(Mission, GivesUpWhenAvoidanceNeverHearsOfTheGoal) {
+  MissionDriver driver;
+  driver.command.status = MotionCommand::Status::kIdle;
+  driver.command.holds = MotionCommand::Holds::kNothing;
+  driver.path_found = false;
+  driver.setGoal(kGoal);
+  driver.runWhile(MissionPhase::kDriving, 10.0);
+  EXPECT_EQ(onlyEvent(driver.mission).reason, "avoidance stopped: it has not heard of the goal");
+}
+
 TEST(Mission, GivesUpInCameraModeWhenThePlannerIsGone) {
   MissionParams params;
   params.drive_mode = "camera";
