@@ -121,7 +121,7 @@ BundleSettings VisualEstimator::bundleSettings() const {
 
 void VisualEstimator::setAnchor(const RayMap& rays) {
   odom_from_camera_ = flattened(odom_from_camera_);
-  anchor_ = Anchor{odom_from_camera_, wheels_from_camera_, rays};
+  anchor_ = Anchor{odom_from_camera_, wheels_from_camera_, rays, 0};
 }
 
 VisualEstimator::Shared VisualEstimator::sharedWithAnchor(const RayMap& rays) const {
@@ -134,6 +134,10 @@ VisualEstimator::Shared VisualEstimator::sharedWithAnchor(const RayMap& rays) co
     shared.now.push_back(ray);
   }
   return shared;
+}
+
+bool VisualEstimator::isThin(const Shared& shared) const {
+  return static_cast<double>(shared.ids.size()) < kAnchorShare * static_cast<double>(anchor_->most_shared);
 }
 
 VisualUpdate VisualEstimator::withoutMap(const RayMap& rays) {
@@ -150,6 +154,8 @@ VisualUpdate VisualEstimator::withoutMap(const RayMap& rays) {
     update.reason = VisualReason::kFewFeatures;
     return update;
   }
+  // Of the anchor's features only those count that could be followed at all.
+  anchor_->most_shared = std::max(anchor_->most_shared, shared.ids.size());
   update.inliers = turn->inliers;
   if (turn->median_residual_px <= params_.checks.rotation_residual_px) return turnOnly(rays, shared, *turn);
   update.reason = VisualReason::kNoParallax;
@@ -161,9 +167,8 @@ VisualUpdate VisualEstimator::withoutMap(const RayMap& rays) {
       return update;
     }
   }
-  const double share = static_cast<double>(shared.ids.size()) / static_cast<double>(anchor_->rays.size());
   const double turned_rad = Eigen::AngleAxisd(turn->b_from_a).angle();
-  if (share < kAnchorShare || turned_rad > kStartTurn_rad) setAnchor(rays);
+  if (isThin(shared) || turned_rad > kStartTurn_rad) setAnchor(rays);
   return update;
 }
 
@@ -173,10 +178,11 @@ VisualUpdate VisualEstimator::turnOnly(const RayMap& rays, const Shared& shared,
   const double turned_rad = Eigen::AngleAxisd(turn.b_from_a).angle();
   update.state = turned_rad > kMinTurn_rad ? VisualState::kRotating : VisualState::kInitializing;
   update.reason = VisualReason::kNoParallax;
-  // The images tell the direction; the position stays the wheels'.
-  odom_from_camera_.linear() = anchor_->odom_from_camera.linear() * turn.b_from_a.transpose();
-  const double share = static_cast<double>(shared.ids.size()) / static_cast<double>(anchor_->rays.size());
-  if (share < kAnchorShare) setAnchor(rays);
+  // The images tell the direction; the position stays the wheels'. Standing or driving ahead it stays theirs
+  // too: what little flow there is would be taken for a turn.
+  if (update.state == VisualState::kRotating)
+    odom_from_camera_.linear() = anchor_->odom_from_camera.linear() * turn.b_from_a.transpose();
+  if (isThin(shared)) setAnchor(rays);
   return update;
 }
 

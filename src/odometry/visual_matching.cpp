@@ -7,25 +7,30 @@
 namespace frugal_nav {
 namespace {
 
-constexpr int kMemory = 3;        // images a feature is remembered for when it is not seen
+constexpr int kMemory = 3;  // images a feature is remembered for when it is not seen
+constexpr float kSamePlace_px = 4.0F;
 constexpr int kMaxDistance = 64;  // bits of 256: a quarter; unrelated descriptors differ in half
 
-/// The two nearest of a row of descriptors.
-struct Nearest {
+/// A candidate for a match.
+struct Candidate {
   int index = -1;
-  int best = 257;
-  int second = 257;
-
-  void offer(int candidate, int distance) {
-    if (distance < best) {
-      second = best;
-      best = distance;
-      index = candidate;
-    } else {
-      second = std::min(second, distance);
-    }
-  }
+  int distance = 0;
+  cv::Point2f pixel;
 };
+
+/// The nearest candidate, when no other place looks nearly as much like it (Lowe's ratio test). Another
+/// feature at the same place (a corner seen on two levels of the pyramid) is no rival. -1 for none.
+int distinctNearest(const std::vector<Candidate>& candidates, double ratio) {
+  const auto best = std::min_element(candidates.begin(), candidates.end(),
+                                     [](const auto& a, const auto& b) { return a.distance < b.distance; });
+  if (best == candidates.end() || best->distance > kMaxDistance) return -1;
+  for (const Candidate& other : candidates) {
+    const cv::Point2f off = other.pixel - best->pixel;
+    const bool is_rival = off.dot(off) > kSamePlace_px * kSamePlace_px;
+    if (is_rival && best->distance > ratio * other.distance) return -1;
+  }
+  return best->index;
+}
 
 }  // namespace
 
@@ -90,24 +95,25 @@ std::vector<VisualFeature> VisualMatching::process(const cv::Mat& gray, const Pi
 
 std::vector<int> VisualMatching::match(const std::vector<cv::KeyPoint>& keypoints, const cv::Mat& descriptors,
                                        float radius_px) const {
-  std::vector<Nearest> forward(keypoints.size());
-  std::vector<Nearest> backward(memory_.size());
+  std::vector<std::vector<Candidate>> forward(keypoints.size());
+  std::vector<std::vector<Candidate>> backward(memory_.size());
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     for (std::size_t j = 0; j < memory_.size(); ++j) {
       const cv::Point2f off = memory_[j].pixel - keypoints[i].pt;
-      if (off.x * off.x + off.y * off.y > radius_px * radius_px) continue;
+      if (off.dot(off) > radius_px * radius_px) continue;
       const int distance =
           cv::hal::normHamming(descriptors.ptr(static_cast<int>(i)),
                                memory_descriptors_.ptr(static_cast<int>(j)), descriptors.cols);
-      forward[i].offer(static_cast<int>(j), distance);
-      backward[j].offer(static_cast<int>(i), distance);
+      forward[i].push_back({static_cast<int>(j), distance, memory_[j].pixel});
+      backward[j].push_back({static_cast<int>(i), distance, keypoints[i].pt});
     }
   }
   std::vector<int> matches(keypoints.size(), -1);
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const Nearest& near = forward[i];
-    if (near.index < 0 || near.best > kMaxDistance || near.best >= params_.ratio * near.second) continue;
-    if (backward[static_cast<std::size_t>(near.index)].index == static_cast<int>(i)) matches[i] = near.index;
+    const int nearest = distinctNearest(forward[i], params_.ratio);
+    if (nearest < 0) continue;
+    if (distinctNearest(backward[static_cast<std::size_t>(nearest)], 1.0) == static_cast<int>(i))
+      matches[i] = nearest;
   }
   return matches;
 }

@@ -58,6 +58,7 @@ class VisualEstimator {
     Eigen::Isometry3d odom_from_camera;
     std::optional<Eigen::Isometry3d> wheels_from_camera;
     RayMap rays;
+    std::size_t most_shared = 0;  ///< features that an image had in common with it
   };
   /// Rays of the same features in the anchor and now.
   struct Shared {
@@ -69,6 +70,7 @@ class VisualEstimator {
   void predict();
   void setAnchor(const RayMap& rays);
   Shared sharedWithAnchor(const RayMap& rays) const;
+  bool isThin(const Shared& shared) const;
   VisualUpdate withoutMap(const RayMap& rays);
   VisualUpdate turnOnly(const RayMap& rays, const Shared& shared, const RotationFit& turn);
   VisualReason tryStart(const RayMap& rays, const Shared& shared, int& inliers);
