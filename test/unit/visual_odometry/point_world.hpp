@@ -55,14 +55,15 @@ class PointWorld {
   }
 
   /// Rays to what is in view, with noise on the pixels.
-  RayMap see(const Eigen::Isometry3d& world_from_camera, double noise_px, const Pinhole& camera = testCamera()) {
+  RayMap see(const Eigen::Isometry3d& world_from_camera, double noise_px,
+             const Pinhole& camera = testCamera()) {
     RayMap rays;
     const Eigen::Isometry3d camera_from_world = world_from_camera.inverse();
     for (std::size_t i = 0; i < points_.size() && rays.size() < 400; ++i) {
       const Eigen::Vector3d p = camera_from_world * points_[i];
       const auto pixel = camera.project(p);
-      if (!pixel || p.z() < 0.2 || pixel->x() < 0.0 || pixel->y() < 0.0 || pixel->x() > camera.width_px - 1.0 ||
-          pixel->y() > camera.height_px - 1.0)
+      if (!pixel || p.z() < 0.2 || pixel->x() < 0.0 || pixel->y() < 0.0 ||
+          pixel->x() > camera.width_px - 1.0 || pixel->y() > camera.height_px - 1.0)
         continue;
       const Ray2 noise(random_.normal(noise_px / camera.fx), random_.normal(noise_px / camera.fy));
       rays[static_cast<std::int64_t>(i)] = p.head<2>() / p.z() + noise;
