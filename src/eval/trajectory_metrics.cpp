@@ -11,14 +11,21 @@
 namespace frugal_nav::eval {
 namespace {
 
-/// Nearest pose in time; the later one of two that are equally near.
+/// A stamp as the double that its decimal text reads as.
+double asDouble(Stamp stamp) {
+  return static_cast<double>(static_cast<long double>(stamp.time_since_epoch().count()) / 1e9L);
+}
+
+/// Nearest pose in time; the earlier one of two that are equally near. In doubles, which round today's stamps
+/// to 240 ns, because the public tool's ties are decided so.
 const TimedPose& nearest(const Trajectory& trajectory, Stamp stamp) {
   const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), stamp,
                                       [](const TimedPose& pose, Stamp s) { return pose.stamp < s; });
   if (after == trajectory.begin()) return *after;
   const auto before = after - 1;
   if (after == trajectory.end()) return *before;
-  return stamp - before->stamp < after->stamp - stamp ? *before : *after;
+  const double to_before = asDouble(stamp) - asDouble(before->stamp);
+  return to_before <= asDouble(after->stamp) - asDouble(stamp) ? *before : *after;
 }
 
 /// A decimal number of seconds, exact to the nanosecond: a double at today's stamps is good to 240 ns only.
