@@ -44,6 +44,14 @@ struct LidarOptions {
     visit("scan_rate_hz", scan_rate_hz, Field{"Hz", "scans a second", 5.5, 10.0});
     visit("slip_scale", slip_scale, Field{"", "scales the wheels' slip; 0 for none", 0.0, 20.0});
   }
+  std::string check() const {
+    if (methods.empty()) return "methods names none";
+    for (const std::string& method : methods) {
+      if (method != "straight" && method != "sectors_only" && method != "sectors")
+        return "methods: \"" + method + "\" is none of straight, sectors_only, sectors";
+    }
+    return "";
+  }
 };
 
 /// Drives straight at the goal with the waypoint controller: what avoidance has to beat.
