@@ -22,7 +22,7 @@ debian_packages="
   libimage-transport-dev libmove-base-msgs-dev libnav-msgs-dev libnodelet-dev libnodeletlib-dev libnodeletlib-tools
   librosbag-dev libroscpp-dev libros-rosgraph-msgs-dev librostest-dev libstd-srvs-dev libtf2-geometry-msgs-dev
   libtf2-ros-dev libtopic-tools-dev libvisualization-msgs-dev pluginlib-dev
-  python3-dynamic-reconfigure python3-rosbag python3-roslaunch python3-rosnode python3-rosservice python3-rostest
+  python3-dynamic-reconfigure python3-matplotlib python3-rosbag python3-roslaunch python3-rosnode python3-rosservice python3-rostest
   python3-rostopic
   libassimp-dev libbenchmark-dev libbullet-dev libceres-dev libeigen3-dev libembree-dev libgmock-dev libgtest-dev
   libopencv-dev libpcl-dev opencv-data libsdformat-dev libtinyxml2-dev liburdfdom-dev libyaml-cpp-dev nlohmann-json3-dev"
@@ -30,7 +30,7 @@ debian_display_packages="rviz"
 debian_test_packages="catkin-lint clang-format python3-numpy"
 
 ubuntu_packages="
-  build-essential ccache cmake pkg-config python3-catkin-pkg
+  build-essential ccache cmake pkg-config python3-catkin-pkg python3-matplotlib
   ros-noetic-ros-base ros-noetic-cv-bridge ros-noetic-diagnostic-updater ros-noetic-dynamic-reconfigure
   ros-noetic-image-transport ros-noetic-move-base-msgs ros-noetic-nodelet ros-noetic-robot-state-publisher
   ros-noetic-rostest ros-noetic-tf2-geometry-msgs ros-noetic-tf2-ros ros-noetic-topic-tools
