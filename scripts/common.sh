@@ -52,21 +52,23 @@ choose_distribution() {
   esac
 }
 
+# as_root CMD ARGS...: runs a command as root, with sudo where that is needed.
+as_root() {
+  if [ "$(id -u)" = 0 ]; then "$@"; return; fi
+  command -v sudo >/dev/null || die "this needs root, and there is no sudo: $*"
+  sudo "$@"
+}
+
 # install_missing PACKAGE...: installs with apt what is not there yet; nothing is asked.
 install_missing() {
   local missing
   missing=$(comm -23 <(printf '%s\n' "$@" | sort -u) \
     <(dpkg-query -W -f='${db:Status-Status} ${Package}\n' 2>/dev/null | sed -n 's/^installed //p' | sort -u))
   [ -n "$missing" ] || return 0
-  local root=()
-  if [ "$(id -u)" != 0 ]; then
-    command -v sudo >/dev/null || die "these packages are missing and there is no sudo to install them: $missing"
-    root=(sudo)
-  fi
   say "installing $(wc -w <<<"$missing") missing packages"
-  "${root[@]}" apt-get update -qq
+  as_root apt-get update -qq
   # shellcheck disable=SC2086
-  "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >&2
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >&2
 }
 
 # install_for build|display|test: the packages of that use.
@@ -75,6 +77,8 @@ install_for() {
   local list="${distribution}_packages" extra="${distribution}_$1_packages"
   # shellcheck disable=SC2086
   install_missing ${!list} ${!extra:-}
+  # A bare root file system has no /etc/hosts, and ROS asks for the address of localhost.
+  getent hosts localhost >/dev/null || echo "127.0.0.1 localhost" | as_root tee -a /etc/hosts >/dev/null
 }
 
 # Settings that the build and every command of the workspace need.
