@@ -136,6 +136,7 @@ bool Mission::checkOdometry(Stamp now) {
 
 void Mission::resetTime() {
   if (active()) finish(MissionPhase::kAborted, "time jumped back");
+  status_.stamp = Stamp{};
   path_.reset();
   local_.reset();
   last_odometry_.reset();

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <geometry_msgs/TwistStamped.h>
@@ -63,7 +64,9 @@ MissionNode::MissionNode(ros::NodeHandle nh, ros::NodeHandle pnh)
 }
 
 void MissionNode::onGoal(GoalHandle handle) {
-  const ros::Time now = checkClock();
+  // No older than the state before it, though the clock may come later than odometry: by the stamps others
+  // tell whether a state speaks of this goal.
+  const ros::Time now = std::max(checkClock(), toRos(mission_.status().stamp));
   const geometry_msgs::PoseStamped& target = handle.getGoal()->target_pose;
   const std::variant<Pose2, std::string> goal = toOdom(target);
   const bool of_tour = tour_ && handle.getGoalID().id == tour_goal_id_;

@@ -49,7 +49,7 @@ class MissionGraph {
   bool step() {
     time_ += ros::Duration(0.05);
     rosgraph_msgs::Clock clock;
-    clock.clock = time_;
+    clock.clock = time_ - ros::Duration(clock_lag_s);
     clock_pub_.publish(clock);
     move();
     publishPlan();
@@ -88,8 +88,10 @@ class MissionGraph {
 
   Pose2 odom_from_base;
   bool publish_odometry = true;
+  double clock_lag_s = 0.0;          ///< of the clock behind the odometry
   std::vector<MissionState> states;  ///< every message on mission/state
   std::optional<Pose2> goal;         ///< the last one on mission/goal
+  ros::Time goal_stamp;
 
  private:
   void move() {
@@ -116,7 +118,10 @@ class MissionGraph {
   }
 
   void onState(const MissionState& msg) { states.push_back(msg); }
-  void onGoal(const geometry_msgs::PoseStamped& msg) { goal = planar(msg.pose); }
+  void onGoal(const geometry_msgs::PoseStamped& msg) {
+    goal = planar(msg.pose);
+    goal_stamp = msg.header.stamp;
+  }
   void onCommand(const geometry_msgs::TwistStamped& msg) { command_ = planar(msg.twist); }
 
   ros::NodeHandle nh_;

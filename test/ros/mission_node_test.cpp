@@ -1,7 +1,6 @@
 #include "mission_graph.hpp"
+#include "support/ros_test.hpp"
 
-#include <array>
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <string>
@@ -125,6 +124,17 @@ TEST_F(MissionNodeTest, NewGoalPreemptsTheOld) {
   second.cancelAllGoals();
 }
 
+TEST_F(MissionNodeTest, StampsAGoalNoOlderThanTheStateBeforeIt) {
+  // Planners forget a goal when a later state says that nothing is driven to.
+  graph_.clock_lag_s = 0.04;  // below the step, so that time does not go back
+  ASSERT_TRUE(graph_.step());
+  ASSERT_TRUE(graph_.step());
+  const ros::Time idle = graph_.states.back().header.stamp;
+  client_->sendGoal(moveBaseGoal({5.0, 0.0, 0.0}));
+  ASSERT_TRUE(MissionGraph::waitFor([this] { return driving(); }));
+  ASSERT_TRUE(MissionGraph::waitFor([&] { return graph_.goal_stamp >= idle; })) << graph_.goal_stamp;
+}
+
 TEST_F(MissionNodeTest, TakesSimpleGoalsInAFrameOfTf) {
   tf2_ros::StaticTransformBroadcaster broadcaster;
   geometry_msgs::TransformStamped odom_from_room;
@@ -177,27 +187,18 @@ TEST_F(MissionNodeTest, SwitchesToManualAndBack) {
   EXPECT_EQ(graph_.states.back().mode, MissionState::MODE_IDLE);
 }
 
-/// Output and exit code of a mission node that must not start.
-std::pair<std::string, int> runMissionNode(const std::string& parameter) {
-  const std::string command = "rosrun frugal_nav mission_node __name:=bad_mission " + parameter + " 2>&1";
-  std::string output;
-  FILE* pipe = popen(command.c_str(), "r");
-  std::array<char, 256> buffer{};
-  while (fgets(buffer.data(), buffer.size(), pipe) != nullptr) output += buffer.data();
-  return {output, WEXITSTATUS(pclose(pipe))};
-}
-
 TEST(MissionNodeStart, NamesAnUnknownParameter) {
-  const auto [output, code] = runMissionNode("_no_such_key:=1");
-  EXPECT_EQ(code, 1);
-  EXPECT_THAT(output, HasSubstr("no_such_key"));
+  const auto result = test::runProgram("mission_node", "__name:=bad_mission _no_such_key:=1");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.output, HasSubstr("no_such_key"));
   ros::param::del("bad_mission");
 }
 
 TEST(MissionNodeStart, NamesAMissingWaypointFile) {
-  const auto [output, code] = runMissionNode("_waypoints_file:=no_such_tour.yaml");
-  EXPECT_EQ(code, 1);
-  EXPECT_THAT(output, HasSubstr("no_such_tour.yaml: cannot be read"));
+  const auto result =
+      test::runProgram("mission_node", "__name:=bad_mission _waypoints_file:=no_such_tour.yaml");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.output, HasSubstr("no_such_tour.yaml: cannot be read"));
   ros::param::del("bad_mission");
 }
 

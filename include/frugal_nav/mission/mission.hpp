@@ -85,7 +85,7 @@ class Mission {
 
   /// The goals that ended since the last call, in order.
   std::vector<MissionEvent> takeEvents();
-  /// The present status; its stamp is the last odometry's.
+  /// The present status; its stamp is the last odometry's, zero when there is none of the present time.
   const MissionStatus& status() const { return status_; }
   bool active() const { return activity_ != Activity::kNone; }
   const Pose2& goal() const { return odom_from_goal_; }
