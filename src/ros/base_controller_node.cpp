@@ -63,13 +63,13 @@ void BaseControllerNode::stop() {
   if (stopped_) return;
   timer_.stop();
   subscribers_.clear();
-  publish({}, last_.stamp);
+  publish({}, stamp_);
   stopped_ = true;
 }
 
 void BaseControllerNode::onMissionState(const MissionState& msg) {
   const Stamp stamp = toStamp(msg.header.stamp);
-  Pending pending{stamp, Stamp{}, Stamp{}};
+  Pending pending{stamp, stamp, Stamp{}, Stamp{}};
   if (const std::optional<MissionStatus> status = fromRos(msg)) {
     note("mission/state", control_.setMission(*status), stamp);
     if (status->mode == Mode::kAligning || status->mode == Mode::kRecovering) pending.mission_command = stamp;
@@ -114,7 +114,7 @@ void BaseControllerNode::onLocalCommand(const LocalCommand& msg) {
     control_.refuse("avoidance/command", "unknown status, or not finite");
     note("avoidance/command", false, stamp);
   }
-  request({stamp, stamp, Stamp{}});
+  request({stamp, stamp, stamp, Stamp{}});
 }
 
 void BaseControllerNode::onPath(const nav_msgs::Path& msg) {
@@ -130,7 +130,7 @@ void BaseControllerNode::onPath(const nav_msgs::Path& msg) {
     control_.refuse("path", "not finite, or no sound quaternion");
     note("path", false, stamp);
   }
-  if (control_.mode() == Mode::kCamera) request({stamp, Stamp{}, Stamp{}});
+  if (control_.mode() == Mode::kCamera) request({stamp, stamp, Stamp{}, Stamp{}});
 }
 
 void BaseControllerNode::onMissionCommand(const geometry_msgs::TwistStamped& msg) {
@@ -168,15 +168,16 @@ void BaseControllerNode::request(const Pending& pending) {
 void BaseControllerNode::cycleWhenReady() {
   if (pending_ && odom_stamp_ >= pending_->odom && scan_stamp_ >= pending_->scan &&
       mission_command_stamp_ >= pending_->mission_command) {
+    stamp_ = pending_->stamp;
+    pending_.reset();
     cycle();
   }
 }
 
 void BaseControllerNode::cycle() {
-  pending_.reset();
   last_cycle_ = ros::Time::now();
   const BaseCommand command = control_.cycle(toStamp(last_cycle_));
-  publish(command.velocity, command.stamp);
+  publish(command.velocity, stamp_);
   report(command);
   last_ = command;
 }

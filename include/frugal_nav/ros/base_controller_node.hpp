@@ -38,6 +38,7 @@ class BaseControllerNode {
  private:
   /// A cycle that waits for the messages that belong to its trigger: topics arrive in any order.
   struct Pending {
+    Stamp stamp;  ///< of the trigger, and of the command
     Stamp odom;
     Stamp scan;
     Stamp mission_command;
@@ -73,6 +74,9 @@ class BaseControllerNode {
   Stamp scan_stamp_{};
   Stamp mission_command_stamp_{};
   ros::Time last_cycle_;
+  // The command's stamp is its trigger's, not that of the newest input: it answers one sensor message, and
+  // who waits for that answer does not take another command for it.
+  Stamp stamp_{};
   BaseCommand last_;
   std::uint64_t reported_jumps_ = 0;
   bool stopped_ = false;
