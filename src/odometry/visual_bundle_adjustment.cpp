@@ -17,6 +17,12 @@ constexpr double kCauchySigmas = 2.0;  // a wheel distance off by more is taken 
 /// camera_from_odom as an angle-axis vector and a translation.
 using PoseBlock = std::array<double, 6>;
 
+/// A point of the map.
+struct PointBlock {
+  std::int64_t id;
+  std::array<double, 3> position;
+};
+
 PoseBlock toBlock(const Eigen::Isometry3d& odom_from_camera) {
   const Eigen::Isometry3d camera_from_odom = odom_from_camera.inverse();
   const Eigen::AngleAxisd turn(camera_from_odom.linear());
@@ -121,6 +127,7 @@ class Problem {
  public:
   Problem(VisualMap& map, const BundleSettings& settings)
       : map_(map), settings_(settings), poses_(map.keyframes().size()) {
+    points_.reserve(map.landmarks().size());  // Ceres keeps pointers into it
     for (std::size_t i = 0; i < poses_.size(); ++i) poses_[i] = toBlock(map.keyframes()[i].odom_from_camera);
   }
 
@@ -149,7 +156,7 @@ class Problem {
     options.num_threads = 1;
     options.logging_type = ceres::SILENT;
     auto* ordering = new ceres::ParameterBlockOrdering;
-    for (auto& [id, block] : points_) ordering->AddElementToGroup(block.data(), 0);
+    for (PointBlock& point : points_) ordering->AddElementToGroup(point.position.data(), 0);
     for (PoseBlock& pose : poses_) ordering->AddElementToGroup(pose.data(), 1);
     options.linear_solver_ordering.reset(ordering);
     ceres::Solver::Summary summary;
@@ -169,10 +176,12 @@ class Problem {
       const auto landmark = map_.landmarks().find(id);
       if (landmark == map_.landmarks().end()) continue;
       const Eigen::Vector3d& p = landmark->second.p_odom;
-      const auto block = points_.emplace(id, std::array<double, 3>{p.x(), p.y(), p.z()}).first;
+      const auto place = index_.emplace(id, points_.size());
+      if (place.second) points_.push_back({id, {p.x(), p.y(), p.z()}});
       problem_.AddResidualBlock(
           new ceres::AutoDiffCostFunction<SightError, 2, 6, 3>(new SightError{ray, settings_.focal_px}),
-          new ceres::HuberLoss(kHuber_px), poses_[keyframe].data(), block->second.data());
+          new ceres::HuberLoss(kHuber_px), poses_[keyframe].data(),
+          points_[place.first->second].position.data());
       ++sights_;
     }
   }
@@ -197,7 +206,9 @@ class Problem {
   VisualMap& map_;
   const BundleSettings& settings_;
   std::vector<PoseBlock> poses_;
-  std::map<std::int64_t, std::array<double, 3>> points_;
+  // In one piece of memory: Ceres orders blocks by their address, and sums in that order.
+  std::vector<PointBlock> points_;
+  std::map<std::int64_t, std::size_t> index_;  // of points_ by feature id
   ceres::Problem problem_;
   int sights_ = 0;
 };
