@@ -6,18 +6,19 @@
 namespace frugal_nav {
 namespace {
 
-constexpr double kMinTurn_rad = 0.03;          // a turn worth naming: an image or two of turning on the spot
-constexpr double kSmallTurn_rad = 0.2;         // up to it a wheel distance is good for the scale
-constexpr double kStartTurn_rad = 0.5;         // beyond it two views share too little
-constexpr double kAnchorShare = 0.4;           // of the anchor's features that must still be followed
-constexpr double kKeyframeShare = 0.65;        // of the last keyframe's map points, below which one is due
-constexpr double kUnscaledBaseline = 0.1;      // way between the first two views when nobody knows it
-constexpr double kStartTurnError_rad = 0.06;   // wheels against images over a start's baseline
-constexpr double kStartCourseError_rad = 0.7;  // the course of five centimetres is only roughly seen
-constexpr double kJumpShare = 2.0;             // visual over wheel motion of one image
-constexpr double kJump_m = 0.15;               // that is not believed
-constexpr int kDisagreements = 5;              // scale samples before wheels and images are said to disagree
-constexpr double kStraySigmas = 3.0;           // of the scale
+constexpr double kMinTurn_rad = 0.03;           // a turn worth naming: an image or two of turning on the spot
+constexpr double kSmallTurn_rad = 0.2;          // up to it a wheel distance is good for the scale
+constexpr double kStartTurn_rad = 0.5;          // beyond it two views share too little
+constexpr double kAnchorShare = 0.4;            // of the anchor's features that must still be followed
+constexpr double kKeyframeShare = 0.65;         // of the last keyframe's map points, below which one is due
+constexpr double kUnscaledBaseline = 0.1;       // way between the first two views when nobody knows it
+constexpr double kStartTurnError_rad = 0.06;    // wheels against images over a start's baseline
+constexpr double kStartCourseError_rad = 0.35;  // and their courses
+constexpr double kAdjustedCourseError_rad = 0.08;  // once all features have been adjusted
+constexpr double kJumpShare = 2.0;                 // visual over wheel motion of one image
+constexpr double kJump_m = 0.05;                   // that is not believed
+constexpr int kDisagreements = 5;     // scale samples before wheels and images are said to disagree
+constexpr double kStraySigmas = 3.0;  // of the scale
 
 double turnOf(const Eigen::Isometry3d& motion) { return Eigen::AngleAxisd(motion.linear()).angle(); }
 
@@ -186,12 +187,13 @@ VisualUpdate VisualEstimator::turnOnly(const RayMap& rays, const Shared& shared,
   return update;
 }
 
-bool VisualEstimator::agreesWithWheels(const Eigen::Isometry3d& anchor_from_now) const {
+bool VisualEstimator::agreesWithWheels(const Eigen::Isometry3d& anchor_from_now,
+                                       double course_error_rad) const {
   if (params_.motion.wheels != "motion" || !anchor_->wheels_from_camera || !wheels_from_camera_) return true;
   const Eigen::Isometry3d wheels = anchor_->wheels_from_camera->inverse() * *wheels_from_camera_;
   if (turnOf(wheels.inverse() * anchor_from_now) > kStartTurnError_rad + 0.1 * turnOf(wheels)) return false;
   const double cosine = wheels.translation().normalized().dot(anchor_from_now.translation().normalized());
-  return cosine > std::cos(kStartCourseError_rad);
+  return cosine > std::cos(course_error_rad);
 }
 
 VisualReason VisualEstimator::tryStart(const RayMap& rays, const Shared& shared, int& inliers) {
@@ -203,7 +205,7 @@ VisualReason VisualEstimator::tryStart(const RayMap& rays, const Shared& shared,
   }
   const auto motion = findTwoViewMotion(shared.before, shared.now, focal_px_, 1.0);
   if (!motion || motion->inliers < params_.map.min_start_points) return VisualReason::kRansacFailed;
-  if (!agreesWithWheels(motion->a_from_b)) return VisualReason::kWheelsDisagree;
+  if (!agreesWithWheels(motion->a_from_b, kStartCourseError_rad)) return VisualReason::kWheelsDisagree;
   inliers = motion->inliers;
   Eigen::Isometry3d anchor_from_now = motion->a_from_b;
   anchor_from_now.translation() *= baseline_m;
@@ -223,6 +225,13 @@ VisualReason VisualEstimator::tryStart(const RayMap& rays, const Shared& shared,
   if (static_cast<int>(map_.landmarks().size()) >= params_.map.min_start_points) {
     adjustBundle(map_, bundleSettings());
     map_.clean();
+    // The adjustment may have gone astray with a few wrong features.
+    const Keyframe& from = map_.keyframes().front();
+    if (!agreesWithWheels(from.odom_from_camera.inverse() * map_.keyframes().back().odom_from_camera,
+                          kAdjustedCourseError_rad)) {
+      map_.clear();
+      return VisualReason::kWheelsDisagree;
+    }
   }
   if (static_cast<int>(map_.landmarks().size()) < params_.map.min_start_points) {
     map_.clear();

@@ -74,7 +74,7 @@ class VisualEstimator {
   VisualUpdate withoutMap(const RayMap& rays);
   VisualUpdate turnOnly(const RayMap& rays, const Shared& shared, const RotationFit& turn);
   VisualReason tryStart(const RayMap& rays, const Shared& shared, int& inliers);
-  bool agreesWithWheels(const Eigen::Isometry3d& anchor_from_now) const;
+  bool agreesWithWheels(const Eigen::Isometry3d& anchor_from_now, double course_error_rad) const;
   VisualUpdate track(const RayMap& rays);
   VisualReason findPoseInMap(const RayMap& rays, VisualUpdate& update, PoseFit& fit);
   bool isTooFarFromWheels(const Eigen::Isometry3d& odom_from_camera) const;

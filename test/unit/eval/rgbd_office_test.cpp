@@ -60,7 +60,6 @@ TEST_P(RgbdOffice, TracksMostOfTheHandHeldWalk) {
   VisualOdometry odometry(params, readCamera(folder + "K.txt", cv::imread(names[0]).size()),
                           Eigen::Isometry3d::Identity());
   std::vector<PosePair> pairs;
-  std::vector<PosePair> longest;
   std::clock_t spent = 0;
   for (std::size_t i = 0; i < names.size(); ++i) {
     VisualInput input;
@@ -70,10 +69,6 @@ TEST_P(RgbdOffice, TracksMostOfTheHandHeldWalk) {
     const std::clock_t begin = std::clock();
     const VisualOdometryOutput output = odometry.process(input);
     spent += std::clock() - begin;
-    if (std::getenv("VO_TRACE") != nullptr)
-      std::printf("%zu %s %s f %d in %d kf %d scale %.3f\n", i, text(output.status.state),
-                  text(output.status.reason), output.status.features, output.status.inliers,
-                  output.is_keyframe, output.status.scale);
     if (output.status.state == VisualState::kTracking) pairs.push_back({truth[i], output.odom_from_camera});
   }
   const double share = static_cast<double>(pairs.size()) / static_cast<double>(names.size());

@@ -103,8 +103,8 @@ TEST(VisualGeometry, TwoViewsGiveTurnAndCourse) {
   const auto fit = findTwoViewMotion(views.a, views.b, kFocal_px, 1.0);
   ASSERT_TRUE(fit);
   const Eigen::Isometry3d truth = a.inverse() * b;
-  // The best of five-ray samples, not refined: 0.3 px / 530 is 0.0006 rad a ray, and the 0.2 m of way make 0.05
-  // rad of parallax at 4 m, so that the course of a sample is good to some 0.1 rad.
+  // The best of five-ray samples, not refined: 0.3 px / 530 is 0.0006 rad a ray, and the 0.2 m of way make
+  // 0.05 rad of parallax at 4 m, so that the course of a sample is good to some 0.1 rad.
   EXPECT_LT(angleTo(fit->a_from_b, truth), 0.01);
   EXPECT_GT(fit->a_from_b.translation().dot(truth.translation().normalized()), std::cos(0.25));
   EXPECT_GE(fit->inliers, static_cast<int>(views.a.size() * 3 / 4));
