@@ -81,6 +81,12 @@ install_for() {
   getent hosts localhost >/dev/null || echo "127.0.0.1 localhost" | as_root tee -a /etc/hosts >/dev/null
 }
 
+# stay_local: ROS on this machine alone, also where its own host name has no address.
+stay_local() {
+  export ROS_IP=127.0.0.1
+  unset ROS_HOSTNAME
+}
+
 # Settings that the build and every command of the workspace need.
 ros_environment() {
   # setup scripts read unset variables
