@@ -103,6 +103,8 @@ build() {
   mkdir -p "$workspace/src"
   ln -sfn "$source_dir" "$workspace/src/frugal_nav"
   ros_environment
+  # Paths relative to the workspace: another checkout of the same sources finds what this one compiled.
+  export CCACHE_BASEDIR=$workspace CCACHE_NOHASHDIR=1
   say "building in $workspace"
   local log=$workspace/build.log
   if ! catkin_make -C "$workspace" -j"$(nproc)" --cmake-args -DCMAKE_BUILD_TYPE=Release \
