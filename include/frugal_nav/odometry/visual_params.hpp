@@ -16,7 +16,7 @@ struct VisualFeatureParams {
   int klt_window_px = 15;
   int klt_levels = 4;
   double forward_backward_px = 0.8;
-  int orb_features = 500;
+  int orb_features = 700;
   double ratio = 0.8;
   double search_radius = 0.12;
 
