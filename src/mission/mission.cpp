@@ -43,6 +43,13 @@ Mission::Mission(const MissionParams& params)
   validate(params, "mission");
 }
 
+void Mission::setParams(const MissionParams& params) {
+  validate(params, "mission");
+  params_ = params;
+  progress_.setParams(params.progress);
+  recovery_.setParams(params.recovery);
+}
+
 std::uint32_t Mission::setGoal(const Pose2& odom_from_goal, Stamp stamp, bool with_yaw) {
   if (!odom_from_goal.isFinite()) return refuseGoal("goal is not finite", stamp);
   if (status_.mode == Mode::kManual) return refuseGoal("goal refused: manual mode is on", stamp);

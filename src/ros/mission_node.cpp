@@ -59,6 +59,8 @@ MissionNode::MissionNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   simple_goal_sub_ = nh.subscribe("move_base_simple/goal", 1, &MissionNode::onSimpleGoal, this);
   manual_service_ = pnh.advertiseService("set_manual", &MissionNode::onSetManual, this);
   timer_ = nh.createTimer(ros::Duration(kCheckPeriod_s), [this](const ros::TimerEvent&) { onTimer(); });
+  tuning_ = tuneLive<MissionNodeParams>(
+      pnh, params_, [this](const MissionNodeParams& params) { mission_.setParams(params.mission); });
   server_.start();
   publishStatus();
 }

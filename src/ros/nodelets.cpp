@@ -2,6 +2,7 @@
 
 #include <frugal_nav/ros/base_controller_node.hpp>
 #include <frugal_nav/ros/lidar_avoidance_node.hpp>
+#include <frugal_nav/ros/mission_node.hpp>
 #include <frugal_nav/ros/node_main.hpp>
 #include <frugal_nav/ros/planner_node.hpp>
 #include <frugal_nav/ros/wheel_odometry_node.hpp>
@@ -12,3 +13,4 @@ PLUGINLIB_EXPORT_CLASS(frugal_nav::NodeletOf<frugal_nav::BaseControllerNode>, no
 PLUGINLIB_EXPORT_CLASS(frugal_nav::NodeletOf<frugal_nav::WheelOdometryNode>, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(frugal_nav::NodeletOf<frugal_nav::LidarAvoidanceNode>, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(frugal_nav::NodeletOf<frugal_nav::PlannerNode>, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(frugal_nav::NodeletOf<frugal_nav::MissionNode>, nodelet::Nodelet)

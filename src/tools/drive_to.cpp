@@ -12,6 +12,7 @@
 #include <ros/ros.h>
 #include <topic_tools/shape_shifter.h>
 
+#include <frugal_nav/LocalCommand.h>
 #include <frugal_nav/ros/conversions.hpp>
 
 // Sends the robot to a goal as any client of move_base does, watches the drive, and ends with one line
@@ -108,14 +109,18 @@ class DriveTo {
         if (plans && (!with_truth_ || truth_)) return true;
       }
       if ((ros::WallTime::now() - start).toSec() > kStartTimeout_s) {
-        std::printf("drive_to: %s\n", client_.isServerConnected()
-                                          ? "no message on odom; is the robot running?"
-                                          : "no action server move_base; is the mission "
-                                            "node running?");
+        std::printf("drive_to: not ready after %.0f s: %s\n", kStartTimeout_s, missing().c_str());
         return false;
       }
     }
     return false;
+  }
+
+  std::string missing() const {
+    if (!client_.isServerConnected()) return "no action server move_base; is the mission node running?";
+    if (!odometry_) return "no message on odom; is the robot running?";
+    if (with_truth_ && !truth_) return "no message on ground_truth/odom";
+    return local_reason_.empty() ? std::string("no message on ") + kLocalCommand : local_reason_;
   }
 
   bool sendGoal() {
@@ -238,7 +243,11 @@ class DriveTo {
     truth_ = pose;
   }
 
-  void onLocalCommand(const topic_tools::ShapeShifter&) { ++local_commands_; }
+  void onLocalCommand(const LocalCommand& msg) {
+    const bool works = msg.status != LocalCommand::STATUS_STOPPED;
+    local_commands_ = works ? local_commands_ + 1 : 0;
+    local_reason_ = works ? "" : msg.reason;
+  }
 
   void onContact(const topic_tools::ShapeShifter&) { ++contacts_; }
 
@@ -261,7 +270,8 @@ class DriveTo {
   std::optional<Pose2> goal_;  ///< odom_from_goal
   bool with_truth_ = false;
   bool sent_ = false;
-  int local_commands_ = 0;
+  int local_commands_ = 0;  ///< in a row, since the local planner was last stopped
+  std::string local_reason_;
   ros::Time start_;
   ros::Time end_;
   double driven_m_ = 0.0;
@@ -280,5 +290,12 @@ int main(int argc, char** argv) {
     return 2;
   }
   ros::init(argc, argv, "drive_to", ros::init_options::AnonymousName);
+  const ros::NodeHandle nh;
+  if (!ros::Time::waitForValid(ros::WallDuration(frugal_nav::kStartTimeout_s))) {
+    std::printf(
+        "drive_to: no /clock; is the simulator running?\nRESULT success=0 contacts=null goal_error_m=null "
+        "time_s=0.0\n");
+    return 1;
+  }
   return frugal_nav::DriveTo(*options).run() ? 0 : 1;
 }

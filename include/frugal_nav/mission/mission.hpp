@@ -62,6 +62,9 @@ class Mission {
  public:
   explicit Mission(const MissionParams& params);
 
+  /// Takes other parameters while running. Throws ConfigError on bad ones; those before stay.
+  void setParams(const MissionParams& params);
+
   /// Takes a goal, from now on the only one, and returns its number. Without a yaw the heading at the goal is
   /// free. A goal that is not finite, or that comes in manual mode, is aborted at once.
   std::uint32_t setGoal(const Pose2& odom_from_goal, Stamp stamp, bool with_yaw = true);

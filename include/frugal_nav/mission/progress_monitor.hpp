@@ -61,6 +61,7 @@ class ProgressMonitor {
   };
 
   explicit ProgressMonitor(const ProgressParams& params) : params_(params) {}
+  void setParams(const ProgressParams& params) { params_ = params; }
 
   /// Starts anew for a goal.
   void start(Stamp stamp);

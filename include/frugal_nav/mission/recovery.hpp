@@ -43,6 +43,7 @@ struct RecoveryParams {
 class Recovery {
  public:
   explicit Recovery(const RecoveryParams& params) : params_(params) {}
+  void setParams(const RecoveryParams& params) { params_ = params; }
 
   /// Begins at the present pose; `clear_bearing_rad` is the direction of the larger clearance, in base_link.
   void start(const Odometry& odometry, double clear_bearing_rad);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -18,6 +19,7 @@
 #include <frugal_nav/mission/mission.hpp>
 #include <frugal_nav/mission/waypoint_list.hpp>
 #include <frugal_nav/ros/diagnostics.hpp>
+#include <frugal_nav/ros/live_parameters.hpp>
 
 namespace frugal_nav {
 
@@ -44,7 +46,10 @@ struct MissionNodeParams {
 /// mission/state and mission/command. Everything it decides is Mission's.
 class MissionNode {
  public:
+  /// Throws ConfigError on bad parameters or a bad waypoint file.
   MissionNode(ros::NodeHandle nh, ros::NodeHandle pnh);
+  MissionNode(const MissionNode&) = delete;  // callbacks hold its address
+  MissionNode& operator=(const MissionNode&) = delete;
 
  private:
   using GoalHandle = actionlib::ActionServer<move_base_msgs::MoveBaseAction>::GoalHandle;
@@ -71,6 +76,7 @@ class MissionNode {
   MissionNodeParams params_;
   Mission mission_;
   NodeDiagnostics diagnostics_;
+  std::unique_ptr<LiveParameterServer> tuning_;
   tf2_ros::Buffer tf_buffer_;
   tf2_ros::TransformListener tf_listener_;
   actionlib::ActionServer<move_base_msgs::MoveBaseAction> server_;
