@@ -40,11 +40,13 @@ struct DriveBodyParams {
     visit("slip_per_radps", slip_per_radps,
           Field{"s/rad", "share of a wheel's turning that is lost, for each rad/s the robot turns at", 0.0,
                 0.5});
-    visit("slip_noise", slip_noise,
-          Field{"",
-                "standard deviation of a wheel's slip over its mean; so chosen that the ends of 16 m squares "
-                "spread by about 5 cm, as on smooth floors (Borenstein and Feng 1996)",
-                0.0, 2.0});
+    visit(
+        "slip_noise", slip_noise,
+        Field{
+            "",
+            "standard deviation of a wheel's slip over its mean: moderate, as of rubber on a smooth floor; a "
+            "guess, since no floor was measured",
+            0.0, 2.0});
     visit("slip_noise_time_s", slip_noise_time_s,
           Field{"s", "how long a stretch of like floor lasts", 0.01, 60.0});
     visit(
