@@ -36,9 +36,9 @@ std::optional<std::string> inputFault(const MotionCommand& command, const Odomet
   return "it holds an unknown thing";
 }
 
-std::optional<std::string> inputFault(const Odometry& odometry) {
-  if (odometry.odom_from_base.isFinite() && odometry.twist.isFinite()) return std::nullopt;
-  return "pose or velocity is not finite";
+std::optional<std::string> inputFault(const Odometry& odometry, const PlausibleCommands& plausible) {
+  if (!odometry.odom_from_base.isFinite()) return "its pose is not finite";
+  return inputFault(odometry.twist, plausible);
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ bool BaseControl::setMission(const MissionStatus& status) {
 }
 
 bool BaseControl::setOdometry(const Odometry& odometry) {
-  if (!accept("odom", odometry.stamp, inputFault(odometry))) return false;
+  if (!accept("odom", odometry.stamp, inputFault(odometry, params_.plausible))) return false;
   odometry_.add(odometry);
   return true;
 }

@@ -82,7 +82,11 @@ void BaseControllerNode::onMissionState(const MissionState& msg) {
 
 void BaseControllerNode::onOdometry(const nav_msgs::Odometry& msg) {
   odom_stamp_ = toStamp(msg.header.stamp);
-  if (const std::optional<Odometry> odometry = fromRos(msg)) {
+  if (msg.header.frame_id != params_.odom_frame) {
+    control_.refuse("odom",
+                    "it is in \"" + msg.header.frame_id + "\", not in \"" + params_.odom_frame + "\"");
+    note("odom", false, odom_stamp_);
+  } else if (const std::optional<Odometry> odometry = fromRos(msg)) {
     note("odom", control_.setOdometry(*odometry), odom_stamp_);
   } else {
     control_.refuse("odom", "not finite, or no sound quaternion");

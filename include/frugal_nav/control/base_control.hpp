@@ -47,7 +47,7 @@ struct BaseTimeouts {
   }
 };
 
-/// Commands beyond this are no commands but errors: they are refused, not clamped.
+/// Commands, and speeds of odometry, beyond this are errors: they are refused, not clamped.
 struct PlausibleCommands {
   double max_v_mps = 5.0;
   double max_w_radps = 15.0;

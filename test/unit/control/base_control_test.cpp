@@ -229,6 +229,16 @@ TEST(BaseControl, UnusableScansAndOdometryStopIt) {
   EXPECT_TRUE(bench.control.cycle(bench.now).velocity.isZero());
 }
 
+TEST(BaseControl, OdometryFasterThanAnyRobotIsRefused) {
+  Bench bench(Mode::kLidar);
+  ASSERT_FALSE(bench.run(1.0).velocity.isZero());
+  Odometry odometry;
+  odometry.stamp = bench.now;
+  odometry.twist.v_mps = 1e8;  // its stopping way would have billions of steps
+  EXPECT_FALSE(bench.control.setOdometry(odometry));
+  EXPECT_EQ(bench.control.cycle(bench.now).reason, Reason::kRefused);
+}
+
 TEST(BaseControl, AJumpBackOfTimeStopsItUntilEverythingIsFresh) {
   Bench bench(Mode::kLidar);
   bench.run(1.0);
