@@ -1,0 +1,237 @@
+#include "detector_support.hpp"
+#include "metric_cues.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include <frugal_nav/perception/depth_gap.hpp>
+#include <frugal_nav/perception/detector.hpp>
+
+namespace frugal_nav {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr float kLeastInverse_pm = 0.01F;
+
+std::string sizeText(int width_px, int height_px) {
+  return std::to_string(width_px) + "x" + std::to_string(height_px);
+}
+
+std::string faultOf(const DepthView& view) {
+  std::string fault = imageFault(view.bgr);
+  if (fault.empty()) fault = exposureFault(view.bgr);
+  if (fault.empty()) fault = view.camera.fault();
+  if (!fault.empty()) return fault;
+  if (!view.odom_from_base.isFinite()) return "the odometry is not finite";
+  if (!view.base_from_optical.matrix().allFinite()) return "the camera's pose is not finite";
+  if (view.base_from_optical.translation().z() < 0.02) return "the camera lies below the floor";
+  // A resized image keeps its shape, to a row of rounding; a cropped one has another principal point.
+  const int rows = static_cast<int>(
+      std::lround(static_cast<double>(view.bgr.cols) * view.camera.height_px / view.camera.width_px));
+  if (std::abs(rows - view.bgr.rows) > 1) {
+    return "the image is " + sizeText(view.bgr.cols, view.bgr.rows) + ", but its camera is calibrated for " +
+           sizeText(view.camera.width_px, view.camera.height_px);
+  }
+  return {};
+}
+
+}  // namespace
+
+struct DepthGap::Impl {
+  Impl(std::unique_ptr<DepthNetwork> depth_network, const DepthGapParams& p)
+      : params(validated(p, "depth_gap")),
+        network(std::move(depth_network)),
+        floor(p.floor),
+        filter(p.fit),
+        tracker(p.obstacle) {}
+
+  void reset() {
+    floor.reset();
+    filter.reset();
+    tracker.reset();
+    last_stamp.reset();
+  }
+
+  void useRays(const DepthView& view) {
+    const Pinhole camera = view.camera.scaled(view.bgr.cols, view.bgr.rows);
+    const int rows = static_cast<int>(
+        std::lround(static_cast<double>(params.grid_width_px) * view.bgr.rows / view.bgr.cols));
+    const cv::Size grid(params.grid_width_px, rows);
+    if (!rays || !rays->fits(camera, view.base_from_optical, grid))
+      rays = std::make_unique<ViewRays>(camera, view.base_from_optical, grid);
+  }
+
+  DepthFrame refuse(const DepthView& view, const std::string& fault) const {
+    DepthFrame frame;
+    frame.stamp = frame.gap.stamp = frame.obstacle.stamp = view.stamp;
+    frame.fault = frame.gap.reason = frame.obstacle.reason = fault;
+    frame.scan = unknownScan(rays.get(), view.stamp, params.scan);
+    return frame;
+  }
+
+  /// The network's answer on the grid.
+  cv::Mat infer(const cv::Mat& bgr) {
+    const cv::Mat map = network->infer(bgr);
+    cv::Mat inverse;
+    const bool shrinks = map.cols > rays->grid().width;
+    cv::resize(map, inverse, rays->grid(), 0.0, 0.0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
+    return inverse;
+  }
+
+  cv::Mat fittedInverse(const cv::Mat& inverse, const MetricFit& fit) const {
+    if (!fit.known) return {};
+    return cv::max(cv::Mat(fit.a * inverse + fit.b), kLeastInverse_pm);
+  }
+
+  void fitMetres(const DepthView& view, const cv::Mat& colour_mask, DepthFrame& frame) {
+    if (params.method == "unscaled") {
+      frame.fit.known = true;
+      frame.fit.a = params.unscaled_factor_pm;
+      return;
+    }
+    std::vector<MetricSample> samples = voSamples(view, *rays, frame.inverse, params.vo_scale_sigma);
+    if (params.method == "fused") {
+      append(floorSamples(colour_mask, *rays, frame.inverse, params.contact.pitch_sigma_rad), samples);
+      append(goalSamples(view, *rays, frame.inverse, params.min_goal_sigma), samples);
+    }
+    frame.fit = filter.update(view.stamp, samples);
+  }
+
+  /// Mends the fitted depth by all that is known in metres, and says how sure it then is.
+  cv::Mat mend(const DepthView& view, const cv::Mat& fitted, const DepthFrame& frame, cv::Mat& sigma) const {
+    const double network_sigma = params.correction.network_sigma;
+    sigma = cv::Mat(fitted.size(), CV_32FC1, cv::Scalar(network_sigma));
+    if (fitted.empty() || params.method != "fused") return fitted;
+    std::vector<DepthAnchor> anchors = voAnchors(view, *rays, params.vo_scale_sigma);
+    append(contactAnchors(frame.contacts, *rays), anchors);
+    cv::Mat weight;
+    cv::Mat mended = correctDepth(fitted, anchors, params.correction, &weight);
+    cv::Mat share;
+    cv::sqrt(1.0 - weight, share);
+    sigma = network_sigma * share + 0.01;
+    return mended;
+  }
+
+  /// Depths of the grid; the floor's own where it is floor.
+  cv::Mat depthOf(const cv::Mat& inverse_pm, const DepthFrame& frame) const {
+    cv::Mat depth = 1.0 / inverse_pm;
+    if (params.method != "fused") return depth;
+    for (int row = 0; row < depth.rows; ++row) {
+      for (int column = 0; column < depth.cols; ++column) {
+        const float floor_pm = rays->inverseFloorDepth(row, column);
+        if (frame.floor.at<uchar>(row, column) != 0 && floor_pm > kLeastInverse_pm)
+          depth.at<float>(row, column) = 1.0F / floor_pm;
+      }
+    }
+    return depth;
+  }
+
+  NearestObstacle nearest(const DepthView& view, const DepthFrame& frame) {
+    NearestObstacle obstacle;
+    obstacle.stamp = view.stamp;
+    std::optional<Eigen::Vector2d> p_base_goal;
+    if (view.goal) p_base_goal = view.odom_from_base.inverse() * view.goal->p_odom;
+    std::vector<SeenObstacle> seen = joinColumns(frame.surfaces, p_base_goal, params.obstacle);
+    const std::vector<Eigen::Vector2d> velocities = tracker.update(view.stamp, view.odom_from_base, seen);
+    if (seen.empty() || seen.front().distance_m > params.scan.max_range_m) {
+      obstacle.reason = frame.depth_m.empty() && seen.empty() ? "no metric scale is known yet"
+                                                              : "nothing stands within range";
+      return obstacle;
+    }
+    const SeenObstacle& first = seen.front();
+    const ColumnSurface& surface = frame.surfaces[static_cast<std::size_t>(first.nearest_column)];
+    obstacle.found = true;
+    obstacle.p_odom = view.odom_from_base * first.p_base;
+    obstacle.distance_m = first.distance_m;
+    obstacle.bearing_rad = std::atan2(first.p_base.y(), first.p_base.x());
+    obstacle.sigma_m = static_cast<double>(surface.relative_sigma) * first.distance_m;
+    obstacle.velocity_mps = velocities.front();
+    setRegion(first, frame, view.bgr.size(), obstacle);
+    obstacle.source = mainCue(first, obstacle, view, frame.contacts, params.method == "fused");
+    return obstacle;
+  }
+
+  void setRegion(const SeenObstacle& seen, const DepthFrame& frame, const cv::Size& image,
+                 NearestObstacle& obstacle) const {
+    int top = rays->grid().height;
+    int bottom = 0;
+    for (int column = seen.first_column; column <= seen.last_column; ++column) {
+      const auto k = static_cast<std::size_t>(column);
+      top = std::min(top, frame.surfaces[k].top_row);
+      const FloorContact& contact = frame.contacts[k];
+      const bool is_open = contact.state == FloorContact::State::kOpen;
+      bottom = std::max(bottom, is_open ? frame.surfaces[k].row : contact.row);
+    }
+    const Eigen::Vector2d low = rays->toImage({seen.first_column - 0.5, top - 0.5});
+    const Eigen::Vector2d high = rays->toImage({seen.last_column + 0.5, bottom + 0.5});
+    const cv::Rect box = cv::Rect(cv::Point(cvRound(low.x()), cvRound(low.y())),
+                                  cv::Point(cvRound(high.x()) + 1, cvRound(high.y()) + 1)) &
+                         cv::Rect(cv::Point(), image);
+    obstacle.left_px = box.x;
+    obstacle.top_px = box.y;
+    obstacle.width_px = box.width;
+    obstacle.height_px = box.height;
+  }
+
+  DepthFrame look(const DepthView& view) {
+    if (last_stamp && view.stamp < *last_stamp) reset();
+    last_stamp = view.stamp;
+    const std::string fault = faultOf(view);
+    if (!fault.empty()) return refuse(view, fault);
+    useRays(view);
+    DepthFrame frame;
+    frame.stamp = view.stamp;
+    frame.inverse = infer(view.bgr);
+    if (!cv::checkRange(frame.inverse))
+      return refuse(view, "the depth network gave numbers that are not finite");
+    return understand(view, std::move(frame));
+  }
+
+  DepthFrame understand(const DepthView& view, DepthFrame frame) {
+    cv::Mat small;
+    cv::resize(view.bgr, small, rays->grid(), 0.0, 0.0, cv::INTER_AREA);
+    const bool strip_is_floor = stripIsFloor(fittedInverse(frame.inverse, filter.fit()), *rays, params.floor);
+    const cv::Mat colour_mask = floor.find(small, *rays, strip_is_floor);
+    fitMetres(view, colour_mask, frame);
+    const cv::Mat fitted = fittedInverse(frame.inverse, frame.fit);
+    const bool use_geometry = params.method == "fused";
+    frame.contacts = findFloorContacts(colour_mask, use_geometry ? fitted : cv::Mat(), *rays, params.contact);
+    refineContacts(view.bgr, *rays, params.contact, frame.contacts);
+    frame.floor = floorOf(frame.contacts, *rays);
+    cv::Mat sigma;
+    const cv::Mat mended = mend(view, fitted, frame, sigma);
+    if (!mended.empty()) frame.depth_m = depthOf(mended, frame);
+    frame.surfaces = findSurfaces(mended, sigma, frame.contacts, *rays, params.scan);
+    frame.scan = scanOf(frame.surfaces, *rays, view.stamp, params.scan);
+    frame.profile = profileColumns(frame.inverse, frame.floor, *rays, params.floor.horizon_margin_rad);
+    frame.near = openColumns(frame.profile, frame.surfaces, params.gap);
+    frame.gap = findGap(frame.near, frame.surfaces, *rays, view.odom_from_base, params.gap);
+    frame.gap.stamp = view.stamp;
+    frame.obstacle = nearest(view, frame);
+    return frame;
+  }
+
+  DepthGapParams params;
+  std::unique_ptr<DepthNetwork> network;
+  FloorMask floor;
+  MetricFilter filter;
+  ObstacleTracker tracker;
+  std::unique_ptr<ViewRays> rays;
+  std::optional<Stamp> last_stamp;
+};
+
+DepthGap::DepthGap(std::unique_ptr<DepthNetwork> network, const DepthGapParams& params)
+    : impl_(std::make_unique<Impl>(std::move(network), params)) {}
+DepthGap::~DepthGap() = default;
+DepthGap::DepthGap(DepthGap&&) noexcept = default;
+DepthGap& DepthGap::operator=(DepthGap&&) noexcept = default;
+
+DepthFrame DepthGap::look(const DepthView& view) { return impl_->look(view); }
+void DepthGap::reset() { impl_->reset(); }
+
+}  // namespace frugal_nav

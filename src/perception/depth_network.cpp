@@ -1,0 +1,69 @@
+#include "detector_support.hpp"
+
+#include <opencv2/core.hpp>
+#include <opencv2/dnn.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <frugal_nav/perception/depth_network.hpp>
+
+namespace frugal_nav {
+namespace {
+
+constexpr double kNearest_m = 0.05;  // a metric network's smaller depths are no depths
+
+/// The one map of an output: (1, H, W), (1, 1, H, W) or (H, W). Its memory is the network's.
+cv::Mat mapOf(const std::vector<NetworkOutput>& outputs, const std::string& file) {
+  const std::string wanted = "a depth network gives one map, 1xHxW or 1x1xHxW";
+  if (outputs.size() != 1) {
+    throw ConfigError("network " + file + " has " + std::to_string(outputs.size()) + " outputs: " + wanted +
+                      "; name another file in the parameter model");
+  }
+  const cv::Mat& value = outputs.front().value;
+  bool is_map = value.dims >= 2 && value.dims <= 4 && value.type() == CV_32F;
+  for (int i = 0; is_map && i < value.dims - 2; ++i) is_map = value.size[i] == 1;
+  is_map = is_map && value.size[value.dims - 1] > 1 && value.size[value.dims - 2] > 1;
+  if (!is_map) {
+    throw ConfigError("network " + file + " gives " + shapeText(value) + ": " + wanted +
+                      "; name another file in the parameter model");
+  }
+  return {value.size[value.dims - 2], value.size[value.dims - 1], CV_32F, const_cast<uchar*>(value.data)};
+}
+
+}  // namespace
+
+std::string DepthNetworkParams::check() const {
+  if (mean.size() != 3) return "mean must have three numbers";
+  return std.size() == 3 ? "" : "std must have three numbers";
+}
+
+OnnxDepthNetwork::OnnxDepthNetwork(const DepthNetworkParams& params, const std::string& folder)
+    : params_(validated(params, "depth network " + params.model)), network_(inFolder(folder, params.model)) {
+  infer(cv::Mat(params_.input_height_px, params_.input_width_px, CV_8UC3, cv::Scalar::all(114)));
+}
+
+cv::Mat OnnxDepthNetwork::blobOf(const cv::Mat& bgr) const {
+  const cv::Size size(params_.input_width_px, params_.input_height_px);
+  cv::Mat resized;
+  // Averaging over areas keeps fine textures from turning into false ones.
+  const bool shrinks = size.width < bgr.cols && size.height < bgr.rows;
+  cv::resize(bgr, resized, size, 0.0, 0.0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
+  if (params_.color_order == "rgb") cv::cvtColor(resized, resized, cv::COLOR_BGR2RGB);
+  cv::Mat input;
+  resized.convertTo(input, CV_32FC3, params_.scale);
+  if (!params_.is_normalised_inside) {
+    const auto inverse = [this](std::size_t i) { return 1.0 / params_.std[i]; };
+    input -= cv::Scalar(params_.mean[0], params_.mean[1], params_.mean[2]);
+    cv::multiply(input, cv::Scalar(inverse(0), inverse(1), inverse(2)), input);
+  }
+  return cv::dnn::blobFromImage(input);
+}
+
+cv::Mat OnnxDepthNetwork::infer(const cv::Mat& bgr) {
+  const cv::Mat map = mapOf(network_.run(blobOf(bgr)), network_.file());
+  // max() lets no NaN through, so that it is asked for before.
+  cv::Mat inverse = isMetric() ? cv::Mat(1.0 / cv::max(map, kNearest_m)) : cv::Mat(cv::max(map, 0.0));
+  inverse.setTo(cv::Scalar(std::numeric_limits<double>::quiet_NaN()), map != map);
+  return inverse;
+}
+
+}  // namespace frugal_nav

@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <opencv2/imgproc.hpp>
+
+#include <frugal_nav/perception/floor_contact.hpp>
+
+namespace frugal_nav {
+namespace {
+
+/// The rows of one column from the bottom up to the horizon: index 0 is the bottom row.
+struct Column {
+  std::vector<float> floor;            // inverse depth of the floor [1/m]
+  std::vector<float> fitted;           // that of the network, fitted; empty when unknown
+  std::vector<uchar> is_floor;         // by colour
+  std::vector<float> height_by_depth;  // of a point at depth one, over the camera
+  float camera_height_m = 0.0F;
+
+  std::size_t size() const { return floor.size(); }
+  /// Height over the floor of what is seen in a row at an inverse depth.
+  float heightAt(std::size_t i, float inverse_depth) const {
+    return camera_height_m + height_by_depth[i] / inverse_depth;
+  }
+};
+
+Column columnOf(int column, const cv::Mat& colour_mask, const cv::Mat& inverse, const ViewRays& rays,
+                const FloorContactParams& params) {
+  Column c;
+  c.camera_height_m = static_cast<float>(rays.cameraHeight_m());
+  const int first = rays.firstRowBelowHorizon(column, params.horizon_margin_rad);
+  for (int row = rays.grid().height - 1; row >= first; --row) {
+    c.floor.push_back(rays.inverseFloorDepth(row, column));
+    c.is_floor.push_back(colour_mask.at<uchar>(row, column));
+    c.height_by_depth.push_back(rays.ray(row, column).z());
+    if (!inverse.empty()) c.fitted.push_back(inverse.at<float>(row, column));
+  }
+  return c;
+}
+
+class Line {
+ public:
+  Line(const Column& column, const FloorContactParams& params) : c_(column), params_(params) {
+    const double cap = params.truncation * params.truncation;
+    neutral_ = c_.fitted.empty() ? 0.0 : 0.5 * cap;
+  }
+
+  /// Cost of a row as floor.
+  double asFloor(std::size_t i) const {
+    return geometry(i, c_.floor[i]) + (c_.is_floor[i] != 0 ? 0.0 : params_.colour_cost);
+  }
+  /// Cost of a row as part of a thing at an inverse depth.
+  double asThing(std::size_t i, float inverse_depth) const {
+    return geometry(i, inverse_depth) + (c_.is_floor[i] != 0 ? params_.colour_cost : 0.0);
+  }
+
+  /// Cost of the rows from `line` up as a thing that stands there; above its height nothing is said.
+  double above(std::size_t line, float inverse_depth) const {
+    double cost = 0.0;
+    for (std::size_t i = line; i < c_.size(); ++i) {
+      // At least three rows, else a far thing would need none.
+      const bool within =
+          i < line + 3 || c_.heightAt(i, inverse_depth) < static_cast<float>(params_.stand_height_m);
+      cost += within ? asThing(i, inverse_depth) : neutral_ + 0.5 * params_.colour_cost;
+    }
+    return cost;
+  }
+
+  double edgeBonus(std::size_t line) const {
+    const bool is_edge = line > 0 && c_.is_floor[line - 1] != 0 && c_.is_floor[line] == 0;
+    return is_edge ? params_.edge_bonus : 0.0;
+  }
+
+ private:
+  double geometry(std::size_t i, float expected) const {
+    if (c_.fitted.empty()) return 0.0;
+    const double r =
+        (c_.fitted[i] - expected) / (params_.geometry_sigma * static_cast<double>(expected) + 0.02);
+    return std::min(r * r, params_.truncation * params_.truncation);
+  }
+
+  const Column& c_;
+  const FloorContactParams& params_;
+  double neutral_ = 0.0;
+};
+
+/// Inverse depth of what fills the bottom rows, nearer than the floor there; 0 when nothing does.
+float hiddenDepth(const Column& c) {
+  if (c.fitted.empty()) return c.is_floor.front() != 0 ? 0.0F : 1.2F * c.floor.front();
+  const std::size_t count = std::min<std::size_t>(c.size(), 8);
+  std::vector<float> bottom(c.fitted.begin(), c.fitted.begin() + static_cast<std::ptrdiff_t>(count));
+  std::nth_element(bottom.begin(), bottom.begin() + static_cast<std::ptrdiff_t>(count / 2), bottom.end());
+  const float median = bottom[count / 2];
+  return median > c.floor.front() ? median : 0.0F;
+}
+
+FloorContact contactOf(const Column& c, int bottom_row, const FloorContactParams& params) {
+  FloorContact contact;
+  if (c.size() == 0) return contact;
+  const Line line(c, params);
+  double below = 0.0;  // cost of the rows under the line, as floor
+  double best = std::numeric_limits<double>::infinity();
+  const float hidden = hiddenDepth(c);
+  if (hidden > 0.0F) best = line.above(0, hidden);
+  contact.row = bottom_row + 1;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const bool is_far = c.floor[i] * static_cast<float>(params.max_depth_m) < 1.0F;
+    if (i > 0 && !is_far) {
+      const double cost = below + line.above(i, c.floor[i]) - line.edgeBonus(i);
+      if (cost < best) {
+        best = cost;
+        contact.state = FloorContact::State::kContact;
+        contact.row = bottom_row - static_cast<int>(i);
+      }
+    }
+    below += line.asFloor(i);
+  }
+  if (below <= best) {
+    contact.state = FloorContact::State::kOpen;
+    contact.row = bottom_row + 1 - static_cast<int>(c.size());
+  }
+  return contact;
+}
+
+/// A line that leaves the median of its neighbours' by far is taken as theirs.
+void smooth(int reach, std::vector<FloorContact>& contacts) {
+  if (reach == 0) return;
+  constexpr int kMostOff_cells = 3;
+  const std::vector<FloorContact> raw = contacts;
+  const int count = static_cast<int>(raw.size());
+  for (int i = 0; i < count; ++i) {
+    std::vector<const FloorContact*> window;
+    for (int k = std::max(0, i - reach); k <= std::min(count - 1, i + reach); ++k)
+      window.push_back(&raw[static_cast<std::size_t>(k)]);
+    const auto middle = window.begin() + static_cast<std::ptrdiff_t>(window.size() / 2);
+    std::nth_element(window.begin(), middle, window.end(),
+                     [](const FloorContact* a, const FloorContact* b) { return a->row < b->row; });
+    FloorContact& own = contacts[static_cast<std::size_t>(i)];
+    if (std::abs(own.row - (*middle)->row) > kMostOff_cells) own = **middle;
+  }
+}
+
+float colourStep(const cv::Vec3f& a, const cv::Vec3f& b) {
+  return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
+}
+
+struct Edge {
+  double row = 0.0;  // the line between two rows [px]
+  double strength = 0.0;
+};
+
+/// The strongest change from row to row within a band of the image, mean over some columns.
+Edge strongestEdge(const cv::Mat& bgr, const cv::Rect& band) {
+  std::vector<cv::Vec3f> rows;
+  for (int row = band.y; row < band.y + band.height; ++row) {
+    const cv::Scalar mean = cv::mean(bgr(cv::Rect(band.x, row, band.width, 1)));
+    rows.emplace_back(static_cast<float>(mean[0]), static_cast<float>(mean[1]), static_cast<float>(mean[2]));
+  }
+  Edge edge;
+  edge.row = band.y + 0.5 * band.height - 0.5;
+  for (std::size_t i = 1; i + 2 < rows.size(); ++i) {
+    const double step = static_cast<double>(colourStep(rows[i - 1], rows[i + 2]));
+    if (step > edge.strength) edge = {band.y + static_cast<double>(i) + 0.5, step};
+  }
+  return edge;
+}
+
+}  // namespace
+
+std::vector<FloorContact> findFloorContacts(const cv::Mat& colour_mask, const cv::Mat& inverse_depth_pm,
+                                            const ViewRays& rays, const FloorContactParams& params) {
+  std::vector<FloorContact> contacts;
+  for (int column = 0; column < rays.grid().width; ++column) {
+    contacts.push_back(contactOf(columnOf(column, colour_mask, inverse_depth_pm, rays, params),
+                                 rays.grid().height - 1, params));
+  }
+  smooth(params.smooth_columns, contacts);
+  return contacts;
+}
+
+void refineContacts(const cv::Mat& bgr, const ViewRays& rays, const FloorContactParams& params,
+                    std::vector<FloorContact>& contacts) {
+  const cv::Size& grid = rays.grid();
+  const double cell_px = static_cast<double>(bgr.rows) / grid.height;
+  const cv::Rect image(0, 0, bgr.cols, bgr.rows);
+  for (int column = 0; column < grid.width; ++column) {
+    FloorContact& contact = contacts[static_cast<std::size_t>(column)];
+    if (contact.state != FloorContact::State::kContact) continue;
+    const double coarse = rays.toImage({column, contact.row + 0.5}).y();
+    const double middle = rays.toImage({column, contact.row}).x();
+    const int reach = cvCeil(1.5 * cell_px) + 1;
+    const int half_width = std::max(1, cvRound(0.5 * cell_px));
+    const cv::Rect band =
+        cv::Rect(cvRound(middle) - half_width, cvRound(coarse) - reach, 2 * half_width + 1, 2 * reach + 2) &
+        image;
+    const Edge edge = band.height > 3 && band.width > 0 ? strongestEdge(bgr, band) : Edge{coarse, 0.0};
+    const bool is_sharp = edge.strength >= 3.0 * params.min_edge;
+    contact.image_row = is_sharp ? edge.row : coarse;
+    const double row_sigma = is_sharp ? params.sharp_sigma_px : params.blurred_sigma_cells * cell_px;
+    const Eigen::Vector3d ray = rays.rayThrough({middle, contact.image_row});
+    const double inverse = -ray.z() / rays.cameraHeight_m();
+    if (!(inverse * params.max_depth_m > 1.0)) {
+      contact.state = FloorContact::State::kOpen;
+      continue;
+    }
+    contact.depth_m = 1.0 / inverse;
+    const double angle = std::hypot(row_sigma / rays.camera().fy, params.pitch_sigma_rad);
+    contact.sigma_m = contact.depth_m * contact.depth_m / rays.cameraHeight_m() * angle;
+  }
+}
+
+cv::Mat floorOf(const std::vector<FloorContact>& contacts, const ViewRays& rays) {
+  cv::Mat floor = cv::Mat::zeros(rays.grid(), CV_8UC1);
+  for (int column = 0; column < rays.grid().width; ++column) {
+    const FloorContact& contact = contacts[static_cast<std::size_t>(column)];
+    const int first = contact.state == FloorContact::State::kContact ? contact.row + 1
+                      : contact.state == FloorContact::State::kOpen  ? contact.row
+                                                                     : rays.grid().height;
+    for (int row = first; row < rays.grid().height; ++row) floor.at<uchar>(row, column) = 255;
+  }
+  return floor;
+}
+
+}  // namespace frugal_nav

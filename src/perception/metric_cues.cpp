@@ -1,0 +1,149 @@
+#include "metric_cues.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace frugal_nav {
+namespace {
+
+constexpr double kNearest_m = 0.1;
+constexpr double kFarthest_m = 20.0;
+
+/// The value of the cell that holds a place.
+std::optional<float> sampleAt(const cv::Mat& map, const Eigen::Vector2d& cell) {
+  const int column = cvRound(cell.x());
+  const int row = cvRound(cell.y());
+  if (column < 0 || row < 0 || column >= map.cols || row >= map.rows) return std::nullopt;
+  return map.at<float>(row, column);
+}
+
+/// Depth of a place in odom along the optical axis of the present camera.
+double depthOf(const Eigen::Vector3d& p_odom, const DepthView& view) {
+  const Eigen::Vector2d p_base = view.odom_from_base.inverse() * Eigen::Vector2d(p_odom.head<2>());
+  return (view.base_from_optical.inverse() * Eigen::Vector3d(p_base.x(), p_base.y(), p_odom.z())).z();
+}
+
+struct KnownDepth {
+  Eigen::Vector2d cell;
+  double depth_m;
+  double sigma_m;
+};
+
+std::vector<KnownDepth> voDepths(const DepthView& view, const ViewRays& rays, double scale_sigma) {
+  std::vector<KnownDepth> known;
+  for (const MetricPoint& point : view.points) {
+    const double depth = depthOf(point.p_odom, view);
+    if (!(depth > kNearest_m) || !(depth < kFarthest_m) || !(point.sigma_m >= 0.0)) continue;
+    const double sigma = std::hypot(point.sigma_m, scale_sigma * depth);
+    constexpr double kMostUnsure = 0.5;
+    if (!(sigma < kMostUnsure * depth)) continue;
+    const auto x = static_cast<double>(point.pixel.x);
+    const auto y = static_cast<double>(point.pixel.y);
+    known.push_back({rays.toGrid({x, y}), depth, sigma});
+  }
+  return known;
+}
+
+}  // namespace
+
+std::vector<MetricSample> voSamples(const DepthView& view, const ViewRays& rays, const cv::Mat& inverse,
+                                    double scale_sigma) {
+  std::vector<MetricSample> samples;
+  for (const KnownDepth& known : voDepths(view, rays, scale_sigma)) {
+    const std::optional<float> z = sampleAt(inverse, known.cell);
+    if (!z) continue;
+    samples.push_back({static_cast<double>(*z), 1.0 / known.depth_m,
+                       known.sigma_m / (known.depth_m * known.depth_m), Cue::kVo});
+  }
+  return samples;
+}
+
+std::vector<MetricSample> floorSamples(const cv::Mat& colour_mask, const ViewRays& rays,
+                                       const cv::Mat& inverse, double pitch_sigma_rad) {
+  constexpr int kStep = 4;
+  constexpr double kFarthestFloor_m = 6.0;
+  const double sigma = pitch_sigma_rad / rays.cameraHeight_m();
+  std::vector<MetricSample> samples;
+  for (int row = inverse.rows - 1; row >= 0; row -= kStep) {
+    for (int column = kStep / 2; column < inverse.cols; column += kStep) {
+      const auto floor_pm = static_cast<double>(rays.inverseFloorDepth(row, column));
+      if (colour_mask.at<uchar>(row, column) == 0 || !(floor_pm * kFarthestFloor_m > 1.0)) continue;
+      samples.push_back({static_cast<double>(inverse.at<float>(row, column)), floor_pm, sigma, Cue::kFloor});
+    }
+  }
+  return samples;
+}
+
+std::vector<MetricSample> goalSamples(const DepthView& view, const ViewRays& rays, const cv::Mat& inverse,
+                                      double least_relative_sigma) {
+  if (!view.goal || !view.goal->seen) return {};
+  const KnownGoal& goal = *view.goal;
+  const double depth = depthOf({goal.p_odom.x(), goal.p_odom.y(), goal.above_floor_m}, view);
+  const cv::Point2d middle = 0.5 * (goal.box_px.tl() + goal.box_px.br());
+  const std::optional<float> z = sampleAt(inverse, rays.toGrid({middle.x - 0.5, middle.y - 0.5}));
+  const double sigma =
+      std::max(least_relative_sigma * depth, std::sqrt(std::max(0.0, 0.5 * goal.covariance_m2.trace())));
+  if (!z || !(depth > kNearest_m) || !std::isfinite(sigma)) return {};
+  return {{static_cast<double>(*z), 1.0 / depth, sigma / (depth * depth), Cue::kGoal}};
+}
+
+std::vector<DepthAnchor> voAnchors(const DepthView& view, const ViewRays& rays, double scale_sigma) {
+  std::vector<DepthAnchor> anchors;
+  for (const KnownDepth& known : voDepths(view, rays, scale_sigma)) {
+    anchors.push_back({cv::Point2f(static_cast<float>(known.cell.x()), static_cast<float>(known.cell.y())),
+                       1.0 / known.depth_m, known.sigma_m / known.depth_m});
+  }
+  return anchors;
+}
+
+std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contacts, const ViewRays& rays) {
+  constexpr float kFoot_m = 0.15F;
+  constexpr int kSkip = 1;  // the lowest row is half floor
+  std::vector<DepthAnchor> anchors;
+  for (int column = 0; column < rays.grid().width; ++column) {
+    const FloorContact& contact = contacts[static_cast<std::size_t>(column)];
+    if (contact.state != FloorContact::State::kContact) continue;
+    const auto depth = static_cast<float>(contact.depth_m);
+    for (int row = contact.row - kSkip; row >= 0; row -= 2) {
+      if (row < contact.row - 6 && rays.heightAt(row, column, depth) > kFoot_m) break;
+      anchors.push_back({cv::Point2f(static_cast<float>(column), static_cast<float>(row)),
+                         1.0 / contact.depth_m, contact.sigma_m / contact.depth_m});
+    }
+  }
+  return anchors;
+}
+
+bool stripIsFloor(const cv::Mat& fitted, const ViewRays& rays, const FloorMaskParams& params) {
+  if (fitted.empty()) return true;
+  constexpr float kNearer = 1.35F;
+  const int first_row = cvRound((1.0 - params.strip_height) * fitted.rows);
+  const int margin = cvRound(0.5 * (1.0 - params.strip_width) * fitted.cols);
+  int votes = 0;
+  for (int row = first_row; row < fitted.rows; ++row) {
+    for (int column = margin; column < fitted.cols - margin; ++column)
+      votes += fitted.at<float>(row, column) < kNearer * rays.inverseFloorDepth(row, column) ? 1 : -1;
+  }
+  return votes >= 0;
+}
+
+std::string mainCue(const SeenObstacle& seen, const NearestObstacle& obstacle, const DepthView& view,
+                    const std::vector<FloorContact>& contacts, bool uses_floor) {
+  double floor = 0.0;  // information of each cue on the relative depth
+  for (int column = seen.first_column; uses_floor && column <= seen.last_column; ++column) {
+    const FloorContact& contact = contacts[static_cast<std::size_t>(column)];
+    if (contact.state != FloorContact::State::kContact) continue;
+    floor += std::pow(contact.depth_m / contact.sigma_m, 2);
+  }
+  double vo = 0.0;
+  const cv::Rect region(obstacle.left_px, obstacle.top_px, obstacle.width_px, obstacle.height_px);
+  for (const MetricPoint& point : view.points) {
+    const double depth = depthOf(point.p_odom, view);
+    if (!region.contains(point.pixel) || !(depth > kNearest_m) || !(point.sigma_m >= 0.0)) continue;
+    vo += std::pow(depth / std::hypot(point.sigma_m, 0.02 * depth), 2);
+  }
+  if (floor <= 0.0 && vo <= 0.0) return "network";
+  return vo > floor ? "vo" : "floor";
+}
+
+}  // namespace frugal_nav
