@@ -15,7 +15,8 @@ class LidarAvoidanceNodeTest : public testing::Test {
  protected:
   void SetUp() override {
     path_pub_ = graph_.nh.advertise<nav_msgs::Path>("path", 10);
-    ASSERT_TRUE(graph_.connect() && commands_.waitForPublisher() && test::waitForSubscriber(path_pub_));
+    ASSERT_TRUE(graph_.connect("lidar_avoidance") && commands_.waitForPublisher() &&
+                test::waitForSubscriber(path_pub_));
   }
   void TearDown() override {
     graph_.stopMission();

@@ -64,6 +64,8 @@ class LockStep : public testing::Test {
   /// Starts the simulation anew and waits for its first ticks, which stand unanswered.
   static void restart(Graph& graph) {
     ASSERT_TRUE(test::waitForSubscriber(graph.publisher));
+    ASSERT_TRUE(graph.ticks.waitForPublisher() && graph.scans.waitForPublisher() &&
+                graph.truth.waitForPublisher());
     SetSeed seed;
     seed.request.seed = 5;
     ASSERT_TRUE(ros::service::waitForService("simulator/set_seed", 10000));

@@ -14,6 +14,7 @@
 #include <nav_msgs/Path.h>
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
+#include <support/ros_test.hpp>
 
 #include <frugal_nav/MissionState.h>
 #include <frugal_nav/ros/conversions.hpp>
@@ -36,13 +37,11 @@ class MissionGraph {
     command_sub_ = nh_.subscribe("mission/command", 10, &MissionGraph::onCommand, this);
   }
 
-  /// Steps until the node is connected to everything.
+  /// Waits until the node is connected to everything.
   bool connect() {
-    return waitFor([this] {
-      return odometry_pub_.getNumSubscribers() > 0 && path_pub_.getNumSubscribers() > 0 &&
-             local_pub_.getNumSubscribers() > 0 && state_sub_.getNumPublishers() > 0 &&
-             command_sub_.getNumPublishers() > 0 && step();
-    });
+    return test::waitForSubscriber(odometry_pub_) && test::waitForSubscriber(path_pub_) &&
+           test::waitForSubscriber(local_pub_) && test::waitForPublisher(state_sub_) &&
+           test::waitForPublisher(goal_sub_) && test::waitForPublisher(command_sub_) && step();
   }
 
   /// One control period; true when the node has answered with its state.
@@ -55,12 +54,11 @@ class MissionGraph {
     publishPlan();
     const Odometry odometry{toStamp(time_), odom_from_base, twist_, {}, {}};
     if (!publish_odometry) {
-      ros::spinOnce();
-      ros::WallDuration(0.005).sleep();
+      ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.005));
       return true;
     }
     odometry_pub_.publish(toRos(odometry, "odom", "base_link"));
-    return waitFor([this] { return !states.empty() && states.back().header.stamp == time_; });
+    return test::waitUntil([this] { return !states.empty() && states.back().header.stamp == time_; });
   }
 
   /// Steps until a condition holds; false when it does not within `limit_s` of simulated time.
@@ -73,17 +71,6 @@ class MissionGraph {
     return false;
   }
 
-  /// Spins, without stepping, until a condition holds; false after 10 s of wall time.
-  static bool waitFor(const std::function<bool()>& condition) {
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(10.0);
-    while (ros::WallTime::now() < end) {
-      ros::spinOnce();
-      if (condition()) return true;
-      ros::WallDuration(0.001).sleep();
-    }
-    return false;
-  }
-
   ros::Time now() const { return time_; }
 
   Pose2 odom_from_base;
@@ -92,6 +79,7 @@ class MissionGraph {
   std::vector<MissionState> states;  ///< every message on mission/state
   std::optional<Pose2> goal;         ///< the last one on mission/goal
   ros::Time goal_stamp;
+  std::size_t goals = 0;  ///< that came on mission/goal
 
  private:
   void move() {
@@ -121,6 +109,7 @@ class MissionGraph {
   void onGoal(const geometry_msgs::PoseStamped& msg) {
     goal = planar(msg.pose);
     goal_stamp = msg.header.stamp;
+    ++goals;
   }
   void onCommand(const geometry_msgs::TwistStamped& msg) { command_ = planar(msg.twist); }
 

@@ -1,5 +1,4 @@
 #include "mission_graph.hpp"
-#include "support/ros_test.hpp"
 
 #include <limits>
 #include <memory>
@@ -103,10 +102,10 @@ TEST_F(MissionNodeTest, SaysCancelledWithoutWaitingForOdometry) {
   const std::size_t before = graph_.states.size();
   client_->cancelGoal();
   // No step: no further odometry reaches the node.
-  ASSERT_TRUE(MissionGraph::waitFor([&] { return graph_.states.size() > before; }));
+  ASSERT_TRUE(test::waitUntil([&] { return graph_.states.size() > before; }));
   EXPECT_EQ(graph_.states[before].state, MissionState::STATE_CANCELLED);
   EXPECT_EQ(graph_.states[before].mode, MissionState::MODE_IDLE);
-  ASSERT_TRUE(MissionGraph::waitFor([this] { return client_->getState().isDone(); }));
+  ASSERT_TRUE(test::waitUntil([this] { return client_->getState().isDone(); }));
   EXPECT_EQ(client_->getState().state_, SimpleClientGoalState::PREEMPTED);
 }
 
@@ -131,8 +130,8 @@ TEST_F(MissionNodeTest, StampsAGoalNoOlderThanTheStateBeforeIt) {
   ASSERT_TRUE(graph_.step());
   const ros::Time idle = graph_.states.back().header.stamp;
   client_->sendGoal(moveBaseGoal({5.0, 0.0, 0.0}));
-  ASSERT_TRUE(MissionGraph::waitFor([this] { return driving(); }));
-  ASSERT_TRUE(MissionGraph::waitFor([&] { return graph_.goal_stamp >= idle; })) << graph_.goal_stamp;
+  ASSERT_TRUE(test::waitUntil([this] { return driving(); }));
+  ASSERT_TRUE(test::waitUntil([&] { return graph_.goal_stamp >= idle; })) << graph_.goal_stamp;
 }
 
 TEST_F(MissionNodeTest, TakesSimpleGoalsInAFrameOfTf) {
@@ -146,7 +145,7 @@ TEST_F(MissionNodeTest, TakesSimpleGoalsInAFrameOfTf) {
 
   ros::NodeHandle nh;
   ros::Publisher publisher = nh.advertise<geometry_msgs::PoseStamped>("move_base_simple/goal", 1);
-  ASSERT_TRUE(MissionGraph::waitFor([&] { return publisher.getNumSubscribers() > 0; }));
+  ASSERT_TRUE(test::waitForSubscriber(publisher));
   geometry_msgs::PoseStamped goal = moveBaseGoal({3.0, 0.0, 0.0}, "room").target_pose;
   // The transform may still be on its way: as a user would, send the goal again.
   ASSERT_TRUE(graph_.stepUntil(

@@ -12,7 +12,7 @@ using testing::HasSubstr;
 
 class PlannerNodeTest : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_TRUE(graph_.connect() && paths_.waitForPublisher()); }
+  void SetUp() override { ASSERT_TRUE(graph_.connect("planner") && paths_.waitForPublisher()); }
   void TearDown() override {
     graph_.stopMission();
     graph_.beat();

@@ -34,8 +34,9 @@ class PlanningGraph {
     tf_.sendTransform(laser);
   }
 
-  bool connect() {
-    return waitForSubscriber(scan_pub_) && waitForSubscriber(odometry_pub_) &&
+  /// Waits until the node of that name hears everything.
+  bool connect(const std::string& node) {
+    return clock.waitForNode(node) && waitForSubscriber(scan_pub_) && waitForSubscriber(odometry_pub_) &&
            waitForSubscriber(state_pub_) && waitForSubscriber(goal_pub_);
   }
 

@@ -243,5 +243,6 @@ TEST(SimulatorProgram, AnUnknownParameterIsNamed) {
 int main(int argc, char** argv) {
   testing::InitGoogleMock(&argc, argv);
   ros::init(argc, argv, "simulator_node_test");
+  const ros::NodeHandle keeps_ros_running;
   return RUN_ALL_TESTS();
 }

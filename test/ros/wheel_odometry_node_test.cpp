@@ -30,7 +30,7 @@ class WheelOdometryNodeTest : public testing::Test {
     static double start_s = 10000.0;
     start_s -= 1000.0;
     stamp_ = ros::Time(start_s);
-    send(left_, right_);
+    ASSERT_NO_FATAL_FAILURE(send(left_, right_));
   }
 
   void send(std::int64_t left, std::int64_t right) {
@@ -57,7 +57,8 @@ class WheelOdometryNodeTest : public testing::Test {
 
 TEST_F(WheelOdometryNodeTest, TicksBecomeOdomTfAndJointStates) {
   ASSERT_TRUE(tf_.waitForPublisher());
-  for (int i = 1; i <= 10; ++i) send((left_ + 20 * i) & 0xffff, (right_ + 20 * i) & 0xffff);
+  for (int i = 1; i <= 10; ++i)
+    ASSERT_NO_FATAL_FAILURE(send((left_ + 20 * i) & 0xffff, (right_ + 20 * i) & 0xffff));
   const double turned_rad = 200.0 / kTicksPerRevolution * 2.0 * M_PI;
   const nav_msgs::Odometry& odom = odom_.messages.back();
   EXPECT_EQ(odom.header.frame_id, "odom");
@@ -89,16 +90,16 @@ TEST_F(WheelOdometryNodeTest, TicksBecomeOdomTfAndJointStates) {
 }
 
 TEST_F(WheelOdometryNodeTest, ATimeJumpStartsAtTheStartingPoseAgain) {
-  for (int i = 1; i <= 5; ++i) send(left_ + 5 * i, right_ + 7 * i);
+  for (int i = 1; i <= 5; ++i) ASSERT_NO_FATAL_FAILURE(send(left_ + 5 * i, right_ + 7 * i));
   EXPECT_GT(odom_.messages.back().pose.pose.position.x, 1.0);
   stamp_ -= ros::Duration(5.0);
-  send(left_ + 100, right_ + 100);
+  ASSERT_NO_FATAL_FAILURE(send(left_ + 100, right_ + 100));
   EXPECT_EQ(odom_.messages.back().pose.pose.position.x, 1.0);
   EXPECT_EQ(odom_.messages.back().pose.pose.orientation.w, 1.0);
 }
 
 TEST_F(WheelOdometryNodeTest, AStampThatComesTwiceGivesOneOdom) {
-  send(left_ + 1, right_ + 1);
+  ASSERT_NO_FATAL_FAILURE(send(left_ + 1, right_ + 1));
   stamp_ -= ros::Duration(0.02);
   const std::size_t before = odom_.messages.size();
   WheelTicks twice;
@@ -106,7 +107,8 @@ TEST_F(WheelOdometryNodeTest, AStampThatComesTwiceGivesOneOdom) {
   twice.left = twice.right = left_ + 1;
   ticks_.publish(twice);
   stamp_ += ros::Duration(0.02);
-  send(left_ + 2, right_ + 2);  // one queue: once this is answered, the one before has been too
+  ASSERT_NO_FATAL_FAILURE(
+      send(left_ + 2, right_ + 2));  // one queue: once this is answered, the one before has been too
   EXPECT_EQ(odom_.messages.size(), before + 1);
 }
 
