@@ -48,12 +48,12 @@ struct DepthGap::Impl {
         network(std::move(depth_network)),
         floor(p.floor),
         filter(p.fit),
-        tracker(p.obstacle) {}
+        motion(p.obstacle) {}
 
   void reset() {
     floor.reset();
     filter.reset();
-    tracker.reset();
+    motion.reset();
     last_stamp.reset();
   }
 
@@ -137,7 +137,7 @@ struct DepthGap::Impl {
     std::optional<Eigen::Vector2d> p_base_goal;
     if (view.goal) p_base_goal = view.odom_from_base.inverse() * view.goal->p_odom;
     std::vector<SeenObstacle> seen = joinColumns(frame.surfaces, p_base_goal, params.obstacle);
-    const std::vector<Eigen::Vector2d> velocities = tracker.update(view.stamp, view.odom_from_base, seen);
+    const std::vector<Eigen::Vector2d> velocities = motion.update(view.stamp, view.odom_from_base, seen);
     if (seen.empty() || seen.front().distance_m > params.scan.max_range_m) {
       obstacle.reason = frame.depth_m.empty() && seen.empty() ? "no metric scale is known yet"
                                                               : "nothing stands within range";
@@ -220,7 +220,7 @@ struct DepthGap::Impl {
   std::unique_ptr<DepthNetwork> network;
   FloorMask floor;
   MetricFilter filter;
-  ObstacleTracker tracker;
+  ObstacleMotion motion;
   std::unique_ptr<ViewRays> rays;
   std::optional<Stamp> last_stamp;
 };

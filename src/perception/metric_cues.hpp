@@ -10,7 +10,7 @@
 #include <frugal_nav/perception/floor_contact.hpp>
 #include <frugal_nav/perception/floor_mask.hpp>
 #include <frugal_nav/perception/metric_fit.hpp>
-#include <frugal_nav/perception/obstacle_tracker.hpp>
+#include <frugal_nav/perception/obstacle_motion.hpp>
 #include <frugal_nav/perception/view_rays.hpp>
 
 namespace frugal_nav {

@@ -23,7 +23,7 @@
 #include <frugal_nav/perception/floor_mask.hpp>
 #include <frugal_nav/perception/gap_finder.hpp>
 #include <frugal_nav/perception/metric_fit.hpp>
-#include <frugal_nav/perception/obstacle_tracker.hpp>
+#include <frugal_nav/perception/obstacle_motion.hpp>
 #include <frugal_nav/perception/view_rays.hpp>
 
 namespace frugal_nav {
@@ -68,7 +68,7 @@ struct DepthGapParams {
   DepthCorrectionParams correction;
   DepthScanParams scan;
   GapFinderParams gap;
-  ObstacleTrackerParams obstacle;
+  ObstacleMotionParams obstacle;
 
   template <class Visitor>
   void fields(Visitor&& visit) {

@@ -5,7 +5,7 @@
 
 #include <Eigen/LU>
 
-#include <frugal_nav/perception/obstacle_tracker.hpp>
+#include <frugal_nav/perception/obstacle_motion.hpp>
 
 namespace frugal_nav {
 namespace {
@@ -36,7 +36,7 @@ SeenObstacle measure(int first, int last, const std::vector<ColumnSurface>& surf
 
 std::vector<SeenObstacle> joinColumns(const std::vector<ColumnSurface>& surfaces,
                                       const std::optional<Eigen::Vector2d>& p_base_goal,
-                                      const ObstacleTrackerParams& params) {
+                                      const ObstacleMotionParams& params) {
   const auto counts = [&](const ColumnSurface& surface) {
     if (surface.state != ColumnSurface::State::kHit) return false;
     return !p_base_goal || (surface.p_base.cast<double>() - *p_base_goal).norm() > params.goal_radius_m;
@@ -69,10 +69,10 @@ std::vector<SeenObstacle> joinColumns(const std::vector<ColumnSurface>& surfaces
   return all;
 }
 
-ObstacleTracker::ObstacleTracker(const ObstacleTrackerParams& params)
-    : params_(validated(params, "obstacle tracker")) {}
+ObstacleMotion::ObstacleMotion(const ObstacleMotionParams& params)
+    : params_(validated(params, "obstacle motion")) {}
 
-ObstacleTracker::Track ObstacleTracker::begin(Stamp stamp, const Eigen::Vector2d& p_odom) const {
+ObstacleMotion::Track ObstacleMotion::begin(Stamp stamp, const Eigen::Vector2d& p_odom) const {
   Track track;
   track.born = track.seen = track.stamp = stamp;
   track.state << p_odom, 0.0, 0.0;
@@ -81,7 +81,7 @@ ObstacleTracker::Track ObstacleTracker::begin(Stamp stamp, const Eigen::Vector2d
   return track;
 }
 
-void ObstacleTracker::predict(Stamp stamp, Track& track) const {
+void ObstacleMotion::predict(Stamp stamp, Track& track) const {
   const double t = toSeconds(stamp - track.stamp);
   Eigen::Matrix4d f = Eigen::Matrix4d::Identity();
   f(0, 2) = f(1, 3) = t;
@@ -95,7 +95,7 @@ void ObstacleTracker::predict(Stamp stamp, Track& track) const {
   track.stamp = stamp;
 }
 
-void ObstacleTracker::correct(const Eigen::Vector2d& p_odom, Stamp stamp, Track& track) const {
+void ObstacleMotion::correct(const Eigen::Vector2d& p_odom, Stamp stamp, Track& track) const {
   const double variance = params_.position_sigma_m * params_.position_sigma_m;
   const Eigen::Matrix2d spread =
       track.covariance.topLeftCorner<2, 2>() + variance * Eigen::Matrix2d::Identity();
@@ -105,7 +105,7 @@ void ObstacleTracker::correct(const Eigen::Vector2d& p_odom, Stamp stamp, Track&
   track.seen = stamp;
 }
 
-Eigen::Vector2d ObstacleTracker::velocityOf(const Track& track) const {
+Eigen::Vector2d ObstacleMotion::velocityOf(const Track& track) const {
   const Eigen::Vector2d velocity = track.state.tail<2>();
   const double speed = velocity.norm();
   if (toSeconds(track.seen - track.born) < params_.min_age_s || speed < params_.min_speed_mps ||
@@ -115,8 +115,8 @@ Eigen::Vector2d ObstacleTracker::velocityOf(const Track& track) const {
   return squared > params_.moving_sigma * params_.moving_sigma ? velocity : Eigen::Vector2d::Zero().eval();
 }
 
-std::vector<Eigen::Vector2d> ObstacleTracker::update(Stamp stamp, const Pose2& odom_from_base,
-                                                     const std::vector<SeenObstacle>& seen) {
+std::vector<Eigen::Vector2d> ObstacleMotion::update(Stamp stamp, const Pose2& odom_from_base,
+                                                    const std::vector<SeenObstacle>& seen) {
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(),
                                [&](const Track& t) { return toSeconds(stamp - t.seen) > params_.forget_s; }),
                 tracks_.end());

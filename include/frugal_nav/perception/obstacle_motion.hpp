@@ -13,7 +13,7 @@
 namespace frugal_nav {
 
 /// What is one obstacle, and how its motion is told.
-struct ObstacleTrackerParams {
+struct ObstacleMotionParams {
   double join_m = 0.25;
   int min_columns = 2;
   double nearest_share = 0.15;
@@ -68,13 +68,13 @@ struct SeenObstacle {
 /// The things in view, nearest first; columns near `p_base_goal` are left out.
 std::vector<SeenObstacle> joinColumns(const std::vector<ColumnSurface>& surfaces,
                                       const std::optional<Eigen::Vector2d>& p_base_goal,
-                                      const ObstacleTrackerParams& params);
+                                      const ObstacleMotionParams& params);
 
 /// The motion of the nearest obstacles in odom: one Kalman filter of constant velocity each.
-class ObstacleTracker {
+class ObstacleMotion {
  public:
   /// Throws ConfigError on parameters out of range.
-  explicit ObstacleTracker(const ObstacleTrackerParams& params);
+  explicit ObstacleMotion(const ObstacleMotionParams& params);
 
   /// Takes what one image shows; velocities in odom [m/s], one for each, zero for what stands. Stamps must
   /// not go back: reset() first.
@@ -96,7 +96,7 @@ class ObstacleTracker {
   void correct(const Eigen::Vector2d& p_odom, Stamp stamp, Track& track) const;
   Eigen::Vector2d velocityOf(const Track& track) const;
 
-  ObstacleTrackerParams params_;
+  ObstacleMotionParams params_;
   std::vector<Track> tracks_;
 };
 
