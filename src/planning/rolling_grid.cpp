@@ -61,15 +61,18 @@ void RollingGrid::forgetRows(int first_y, int count) {
   }
 }
 
-void RollingGrid::insert(const LaserScan& scan, const Pose2& odom_from_laser) {
+void RollingGrid::begin(Stamp stamp) {
   if (!started_) {
     started_ = true;
-    epoch_ = scan.stamp;
+    epoch_ = stamp;
   }
-  const double age_ms = toSeconds(scan.stamp - epoch_) * 1e3;
+  const double age_ms = toSeconds(stamp - epoch_) * 1e3;
   now_ms_ = std::max(now_ms_, static_cast<std::uint32_t>(std::max(age_ms, 0.0)));
   ++scan_number_;
+}
 
+void RollingGrid::insert(const LaserScan& scan, const Pose2& odom_from_laser) {
+  begin(scan.stamp);
   const auto end_of_ray = [&](std::size_t beam, double range_m) {
     const double angle = scan.angleOf(beam);
     return odom_from_laser * Eigen::Vector2d(range_m * std::cos(angle), range_m * std::sin(angle));
@@ -87,7 +90,7 @@ void RollingGrid::insert(const LaserScan& scan, const Pose2& odom_from_laser) {
     if (kind != Return::kHit && kind != Return::kFree) continue;
     const double range = kind == Return::kHit ? static_cast<double>(scan.ranges_m[i]) : longest;
     const bool ends_free = kind == Return::kFree || range > longest;
-    clearRay(odom_from_laser.position(), end_of_ray(i, std::min(range, longest)), ends_free);
+    clear(odom_from_laser.position(), end_of_ray(i, std::min(range, longest)), ends_free);
   }
 }
 
@@ -108,8 +111,7 @@ void RollingGrid::mark(const Eigen::Vector2d& p_odom) {
 }
 
 // Amanatides and Woo (1987): every cell the segment passes, in order.
-void RollingGrid::clearRay(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom,
-                           bool include_end) {
+void RollingGrid::clear(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom, bool include_end) {
   Cell cell = cellOf(from_odom);
   const Cell last = cellOf(to_odom);
   const Eigen::Vector2d step = to_odom - from_odom;
@@ -142,6 +144,20 @@ void RollingGrid::clearRay(const Eigen::Vector2d& from_odom, const Eigen::Vector
     } else {
       next_y += delta_y;
       cell.y += step_y;
+    }
+  }
+}
+
+void RollingGrid::erase(const Eigen::Vector2d& p_odom, double radius_m) {
+  const Cell center = cellOf(p_odom);
+  const int reach = static_cast<int>(std::ceil(radius_m / params_.cell_m));
+  for (int y = center.y - reach; y <= center.y + reach; ++y) {
+    for (int x = center.x - reach; x <= center.x + reach; ++x) {
+      if (!contains({x, y}) || (centerOf({x, y}) - p_odom).norm() > radius_m) continue;
+      Entry& gone = entry({x, y});
+      if (stateOf(gone) != State::kOccupied) continue;
+      gone.certainty = 0;
+      touch(gone);
     }
   }
 }

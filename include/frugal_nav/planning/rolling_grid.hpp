@@ -78,6 +78,16 @@ class RollingGrid {
   /// range_min (REP-117). The scan's stamp becomes the present for the memory.
   void insert(const LaserScan& scan, const Pose2& odom_from_laser);
 
+  // The parts of insert(), for sensors that say more of their rays than a scan holds.
+  /// A new sight: its stamp becomes the present for the memory.
+  void begin(Stamp stamp);
+  /// An obstacle, once a sight. To be called before clear(): what this sight marks it does not clear.
+  void mark(const Eigen::Vector2d& p_odom);
+  /// Free space along a ray, with or without the cell it ends in.
+  void clear(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom, bool include_end);
+  /// Obstacles within a radius are gone, as if seen free now.
+  void erase(const Eigen::Vector2d& p_odom, double radius_m);
+
   /// Forgets everything.
   void reset();
 
@@ -111,8 +121,6 @@ class RollingGrid {
   bool isForgotten(const Entry& entry) const;
   void forgetColumns(int first_x, int count);
   void forgetRows(int first_y, int count);
-  void mark(const Eigen::Vector2d& p_odom);
-  void clearRay(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom, bool include_end);
   void touch(Entry& entry);
 
   RollingGridParams params_;

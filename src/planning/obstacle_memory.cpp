@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <cmath>
+
+#include <frugal_nav/planning/obstacle_memory.hpp>
+
+namespace frugal_nav {
+namespace {
+
+// Hits this much beyond a moving object's radius are its own: limbs, and the noise of its middle.
+constexpr double kMovingMargin_m = 0.20;
+// What it left in the memory before it was known to move reaches about this far beyond its radius.
+constexpr double kTrailMargin_m = 0.15;
+
+}  // namespace
+
+ObstacleMemory::ObstacleMemory(const ObstacleMemoryParams& params)
+    : params_(params), grid_(params.grid), tracker_(params.tracker) {
+  validate(params, "obstacle memory");
+}
+
+void ObstacleMemory::reset() {
+  grid_.reset();
+  tracker_.reset();
+  moving_.clear();
+}
+
+void ObstacleMemory::insert(const LaserScan& scan, const NearestObstacle& obstacle,
+                            const Pose2& odom_from_base,
+                            const std::optional<Eigen::Vector2d>& p_odom_person) {
+  follow(scan, obstacle, odom_from_base, p_odom_person);
+  const Eigen::Vector2d robot = odom_from_base.position();
+  grid_.moveTo(robot);
+  grid_.begin(scan.stamp);
+  for (const TrackedObstacle& moved : moving_) {
+    for (const Eigen::Vector2d& p : moved.trail) grid_.erase(p, moved.radius_m + kTrailMargin_m);
+  }
+  const double longest_m = std::min(params_.grid.max_range_m, scan.range_max_m);
+  const auto endOf = [&](std::size_t beam, double range_m) {
+    const double angle = scan.angleOf(beam);
+    return odom_from_base * Eigen::Vector2d(range_m * std::cos(angle), range_m * std::sin(angle));
+  };
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const Return kind = classify(scan, scan.ranges_m[i]);
+    if (kind != Return::kHit && kind != Return::kTooClose) continue;
+    const double range_m = kind == Return::kHit ? scan.ranges_m[i] : scan.range_min_m;
+    const Eigen::Vector2d p = endOf(i, range_m);
+    if (range_m <= longest_m && !isPerson(p, robot, p_odom_person) && !isMoving(p)) grid_.mark(p);
+  }
+  if (obstacle.found && !isPerson(obstacle.p_odom, robot, p_odom_person) && !isMoving(obstacle.p_odom))
+    markNearest(obstacle);
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const Return kind = classify(scan, scan.ranges_m[i]);
+    if (kind != Return::kHit && kind != Return::kFree) continue;
+    const double range_m = kind == Return::kHit ? static_cast<double>(scan.ranges_m[i]) : longest_m;
+    const double sure_m =
+        kind == Return::kHit ? range_m - params_.sigma_m - params_.sigma_share * range_m : range_m;
+    if (sure_m <= 0.0) continue;
+    grid_.clear(robot, endOf(i, std::min(sure_m, longest_m)), true);
+  }
+}
+
+void ObstacleMemory::follow(const LaserScan& scan, const NearestObstacle& obstacle,
+                            const Pose2& odom_from_base,
+                            const std::optional<Eigen::Vector2d>& p_odom_person) {
+  const Eigen::Vector2d robot = odom_from_base.position();
+  tracker_.update(scan, odom_from_base,
+                  [&](const Eigen::Vector2d& p) { return isPerson(p, robot, p_odom_person); });
+  moving_ = tracker_.moving();
+  const double speed_mps = obstacle.velocity_mps.norm();
+  if (!obstacle.found || speed_mps < params_.tracker.slowest_mps || isMoving(obstacle.p_odom) ||
+      isPerson(obstacle.p_odom, robot, p_odom_person))
+    return;
+  TrackedObstacle nearest;  // known to move by whoever found it
+  nearest.p_odom = obstacle.p_odom;
+  nearest.velocity_mps = obstacle.velocity_mps;
+  nearest.radius_m = 0.25;
+  nearest.stamp = nearest.last_seen = scan.stamp;
+  nearest.moving = true;
+  nearest.trail = {obstacle.p_odom};
+  moving_.push_back(nearest);
+}
+
+void ObstacleMemory::markNearest(const NearestObstacle& obstacle) {
+  grid_.mark(obstacle.p_odom);
+  const double sigma_m = std::isfinite(obstacle.sigma_m) ? obstacle.sigma_m : params_.largest_sigma_m;
+  const double radius_m = std::min(sigma_m, params_.largest_sigma_m);
+  const double cell_m = grid_.cell_m();
+  for (double y = -radius_m; y <= radius_m; y += cell_m) {
+    for (double x = -radius_m; x <= radius_m; x += cell_m) {
+      if (x * x + y * y <= radius_m * radius_m) grid_.mark(obstacle.p_odom + Eigen::Vector2d(x, y));
+    }
+  }
+}
+
+bool ObstacleMemory::isPerson(const Eigen::Vector2d& p_odom, const Eigen::Vector2d& robot,
+                              const std::optional<Eigen::Vector2d>& p_odom_person) const {
+  if (!p_odom_person) return false;
+  const Eigen::Vector2d way = *p_odom_person - robot;
+  const double distance_m = way.norm();
+  const Eigen::Vector2d off = p_odom - *p_odom_person;
+  if (distance_m < 1e-6) return off.norm() < params_.person_radius_m;
+  const Eigen::Vector2d along = way / distance_m;
+  const double ahead_m = off.dot(along);
+  const double aside_m = std::abs(along.x() * off.y() - along.y() * off.x());
+  return aside_m < params_.person_radius_m &&
+         std::abs(ahead_m) < params_.person_radius_m + params_.person_range_share * distance_m;
+}
+
+bool ObstacleMemory::isMoving(const Eigen::Vector2d& p_odom) const {
+  return std::any_of(moving_.begin(), moving_.end(), [&](const TrackedObstacle& track) {
+    return (track.p_odom - p_odom).norm() < track.radius_m + kMovingMargin_m;
+  });
+}
+
+}  // namespace frugal_nav
