@@ -5,27 +5,13 @@
 #include <frugal_nav/common/params.hpp>
 #include <frugal_nav/planning/lidar_avoidance.hpp>
 #include <frugal_nav/planning/lidar_planner.hpp>
+#include <frugal_nav/ros/intake_params.hpp>
 
 namespace frugal_nav {
 
-/// What planner and lidar_avoidance share. This header needs no ROS.
-struct ScanIntakeParams {
-  std::string odom_frame = "odom";
-  std::string base_frame = "base_link";
-  double odom_wait_s = 0.25;
-
-  template <class Visitor>
-  void fields(Visitor&& visit) {
-    visit("odom_frame", odom_frame, Field{"", "frame of odometry, goal and path"});
-    visit("base_frame", base_frame, Field{"", "frame of the body, in which tf gives the laser's pose"});
-    visit("odom_wait_s", odom_wait_s,
-          Field{"s", "ROS time a scan waits for odometry of its stamp before it is given up", 0.01, 5.0});
-  }
-};
-
 /// Parameters of the node planner: config/planner.yaml.
 struct PlannerNodeParams {
-  ScanIntakeParams intake;
+  IntakeParams intake;
   LidarPlannerParams planner;
   double grid_period_s = 0.5;
 
@@ -40,7 +26,7 @@ struct PlannerNodeParams {
 
 /// Parameters of the node lidar_avoidance: config/lidar_avoidance.yaml.
 struct LidarAvoidanceNodeParams {
-  ScanIntakeParams intake;
+  IntakeParams intake;
   LidarAvoidanceParams avoidance;
 
   template <class Visitor>

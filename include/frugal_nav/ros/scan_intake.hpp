@@ -2,24 +2,21 @@
 
 #include <deque>
 #include <functional>
-#include <map>
-#include <memory>
 #include <optional>
 #include <string>
 
 #include <geometry_msgs/PoseStamped.h>
-#include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
-#include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 
 #include <frugal_nav/MissionState.h>
 #include <frugal_nav/common/laser_scan.hpp>
 #include <frugal_nav/common/mission_status.hpp>
-#include <frugal_nav/common/odometry_buffer.hpp>
 #include <frugal_nav/ros/diagnostics.hpp>
-#include <frugal_nav/ros/planning_params.hpp>
+#include <frugal_nav/ros/intake_params.hpp>
+#include <frugal_nav/ros/odometry_intake.hpp>
+#include <frugal_nav/ros/sensor_poses.hpp>
+#include <frugal_nav/ros/time_jump_watch.hpp>
 
 namespace frugal_nav {
 
@@ -45,7 +42,7 @@ class ScanIntake {
     std::function<void()> time_jumped;
   };
 
-  ScanIntake(ros::NodeHandle nh, const ScanIntakeParams& params, NodeDiagnostics& diagnostics,
+  ScanIntake(ros::NodeHandle nh, const IntakeParams& params, NodeDiagnostics& diagnostics,
              Callbacks callbacks);
   ScanIntake(const ScanIntake&) = delete;  // subscriptions hold its address
   ScanIntake& operator=(const ScanIntake&) = delete;
@@ -55,7 +52,7 @@ class ScanIntake {
   /// Hands on every scan that can be; to be called when what `ready` waits for has come.
   void process();
   /// Checks the stamp of a further input of the node: one that goes back is a jump in time.
-  void checkStamp(const std::string& input, Stamp stamp);
+  void checkStamp(const std::string& input, Stamp stamp) { time_.checkStamp(input, stamp); }
   /// How long the scan handed to `ready` has waited, in ROS time [s].
   double waited_s() const;
 
@@ -66,35 +63,28 @@ class ScanIntake {
   };
 
   void onScan(const sensor_msgs::LaserScan& msg);
-  void onOdometry(const nav_msgs::Odometry& msg);
   void onGoal(const geometry_msgs::PoseStamped& msg);
   void onState(const MissionState& msg);
   void onTimer();
-  void checkClock();
   bool isActive() const;
-  void forget(const std::string& why, Stamp now);
+  void forget(Stamp now);
   bool complete(Pending& pending);
   std::optional<Pose2> laserPose(const std::string& frame);
 
-  ScanIntakeParams params_;
+  IntakeParams params_;
   NodeDiagnostics& diagnostics_;
   Callbacks callbacks_;
-  OdometryBuffer odometry_;
+  TimeJumpWatch time_;
+  SensorPoses sensors_;
+  OdometryIntake odometry_;
   std::deque<Pending> pending_;
-  std::map<std::string, Stamp> last_stamps_;
-  ros::Time last_now_;
-  bool stamps_jumped_ = false;  ///< and ROS time has yet to follow: the same jump
-
-  std::map<std::string, Pose2> base_from_laser_;  ///< by the scan's frame, once known
-  tf2_ros::Buffer tf_buffer_;
-  std::unique_ptr<tf2_ros::TransformListener> tf_listener_;  ///< until the laser's pose is known
+  std::optional<Stamp> last_scan_;
 
   MissionStatus mission_;
   std::optional<Pose2> goal_;
   Stamp goal_stamp_{};
 
   ros::Subscriber scan_sub_;
-  ros::Subscriber odometry_sub_;
   ros::Subscriber goal_sub_;
   ros::Subscriber state_sub_;
   ros::Timer timer_;

@@ -1,0 +1,156 @@
+#include <algorithm>
+
+#include <frugal_nav/ros/conversions.hpp>
+#include <frugal_nav/ros/image_intake.hpp>
+
+namespace frugal_nav {
+namespace {
+
+constexpr double kCheckPeriod_s = 0.05;
+constexpr std::size_t kMostPending = 4;  // images are large, and an old one is of little use
+const char* const kImage = "camera/image_raw";
+const char* const kInfo = "camera/camera_info";
+
+void checkTransport(const image_transport::ImageTransport& transport, const std::string& name) {
+  const std::vector<std::string> known = transport.getLoadableTransports();
+  const auto isIt = [&name](const std::string& plugin) { return plugin == "image_transport/" + name; };
+  if (std::any_of(known.begin(), known.end(), isIt)) return;
+  std::string list;
+  for (const std::string& plugin : known) list += " " + plugin.substr(plugin.find('/') + 1);
+  throw ConfigError("image_transport \"" + name + "\" is not installed; there is:" + list +
+                    " (more in the package image_transport_plugins)");
+}
+
+}  // namespace
+
+ImageIntake::ImageIntake(ros::NodeHandle nh, const ImageIntakeParams& params, NodeDiagnostics& diagnostics,
+                         Callbacks callbacks)
+    : nh_(nh),
+      params_(params),
+      diagnostics_(diagnostics),
+      callbacks_(std::move(callbacks)),
+      time_([this](Stamp) { forget(); }),
+      sensors_(params.base.base_frame),
+      odometry_(nh, params.base, diagnostics, time_, [this] { process(); }),
+      transport_(nh) {
+  checkTransport(transport_, params_.image_transport);
+  for (const char* topic : {kImage, kInfo}) diagnostics_.input(topic);
+  timer_ = nh_.createTimer(ros::Duration(kCheckPeriod_s), [this](const ros::TimerEvent&) { onTimer(); });
+}
+
+// Called from the node's own queue, as all else here.
+void ImageIntake::watchListeners() {
+  const bool wanted = std::any_of(outputs_.begin(), outputs_.end(), [](const ros::Publisher& output) {
+    return output.getNumSubscribers() > 0;
+  });
+  if (wanted == static_cast<bool>(info_sub_)) return;
+  if (!wanted) {
+    image_sub_.shutdown();
+    info_sub_.shutdown();
+    pending_.clear();
+    return;
+  }
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  last_heard_ = ros::Time::now();
+  info_sub_ = nh_.subscribe(kInfo, 1, &ImageIntake::onCameraInfo, this, hints);
+  image_sub_ = transport_.subscribe(kImage, 1, &ImageIntake::onImage, this,
+                                    image_transport::TransportHints(params_.image_transport, hints, nh_));
+}
+
+void ImageIntake::onImage(const sensor_msgs::ImageConstPtr& msg) {
+  const Stamp stamp = toStamp(msg->header.stamp);
+  if (last_image_ == stamp) {
+    diagnostics_.input(kImage).dropped("the same stamp twice");
+    return;
+  }
+  time_.checkStamp(kImage, stamp);
+  last_image_ = stamp;
+  last_heard_ = ros::Time::now();
+  diagnostics_.input(kImage).received(stamp, toStamp(last_heard_));
+  DecodedImage image = decode(msg);
+  Pending pending;
+  pending.since = last_heard_;
+  CameraFrame& frame = pending.frame;
+  frame.stamp = stamp;
+  frame.frame = msg->header.frame_id;
+  frame.width_px = static_cast<int>(msg->width);
+  frame.height_px = static_cast<int>(msg->height);
+  frame.bgr = image.bgr;
+  frame.owner = std::move(image.owner);
+  frame.fault = image.fault;
+  if (frame.fault.empty() && frame.frame.empty()) frame.fault = "the image has no frame";
+  if (!frame.fault.empty()) diagnostics_.input(kImage).refused(frame.fault);
+  pending_.push_back(std::move(pending));
+  if (pending_.size() > kMostPending && pending_.front().frame.fault.empty()) {
+    pending_.front().frame.fault = "more images than can be processed";
+    diagnostics_.input(kImage).dropped(pending_.front().frame.fault);
+  }
+  process();
+}
+
+void ImageIntake::onCameraInfo(const sensor_msgs::CameraInfo& msg) {
+  diagnostics_.input(kInfo).received(toStamp(msg.header.stamp), toStamp(ros::Time::now()));
+  calibration_ = fromRos(msg);
+  if (!calibration_->fault.empty()) diagnostics_.input(kInfo).refused(calibration_->fault);
+  process();
+}
+
+void ImageIntake::onTimer() {
+  time_.checkClock();
+  process();
+  const ros::Time now = ros::Time::now();
+  last_heard_ = std::min(last_heard_, now);  // which may have jumped back
+  if (!image_sub_ || (now - last_heard_).toSec() <= params_.silent_after_s) return;
+  const std::string silence = "no image on " + nh_.resolveName(kImage) + ": is the camera's driver running?";
+  diagnostics_.status(diagnostic_msgs::DiagnosticStatus::WARN, silence);
+  ROS_WARN_THROTTLE(10.0, "%s", silence.c_str());
+}
+
+void ImageIntake::forget() {
+  pending_.clear();
+  odometry_.clear();
+  last_image_.reset();
+  callbacks_.time_jumped();
+}
+
+double ImageIntake::waited_s() const {
+  return pending_.empty() ? 0.0 : (ros::Time::now() - pending_.front().since).toSec();
+}
+
+void ImageIntake::process() {
+  while (!pending_.empty() && complete(pending_.front())) {
+    const CameraFrame frame = std::move(pending_.front().frame);
+    pending_.pop_front();
+    if (!frame.fault.empty()) ROS_WARN_THROTTLE(5.0, "image not used: %s", frame.fault.c_str());
+    callbacks_.process(frame);
+  }
+}
+
+/// Whether an image can be handed on: everything is there, or will not come any more.
+bool ImageIntake::complete(Pending& pending) {
+  CameraFrame& frame = pending.frame;
+  if (!frame.fault.empty()) return true;
+  pending.since = std::min(pending.since, ros::Time::now());  // which may have jumped back
+  const Lack lack = fill(frame);
+  if (lack.what.empty()) return !callbacks_.ready || callbacks_.ready(frame);
+  if (!lack.is_final && waited_s() <= params_.base.odom_wait_s) return false;
+  frame.fault = lack.what;
+  diagnostics_.input(kImage).dropped(frame.fault);
+  return true;
+}
+
+ImageIntake::Lack ImageIntake::fill(CameraFrame& frame) {
+  if (!calibration_) return {"no camera_info on " + nh_.resolveName(kInfo), false};
+  const Calibration calibration = fitTo(*calibration_, frame.bgr.cols, frame.bgr.rows);
+  if (!calibration.fault.empty()) return {calibration.fault, true};
+  frame.camera = calibration.camera;
+  const std::optional<Eigen::Isometry3d> pose = sensors_.baseFrom(frame.frame);
+  if (!pose) return {"no transform from " + params_.base.base_frame + " to " + frame.frame, false};
+  frame.base_from_optical = *pose;
+  const OdometryIntake::Answer answer = odometry_.at("image", frame.stamp, waited_s());
+  if (!answer.odometry) return {answer.isFinal() ? answer.fault : "odometry", answer.isFinal()};
+  frame.odometry = *answer.odometry;
+  return {};
+}
+
+}  // namespace frugal_nav
