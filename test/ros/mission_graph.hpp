@@ -61,14 +61,17 @@ class MissionGraph {
     return test::waitUntil([this] { return !states.empty() && states.back().header.stamp == time_; });
   }
 
-  /// Steps until a condition holds; false when it does not within `limit_s` of simulated time.
-  bool stepUntil(const std::function<bool()>& condition, double limit_s) {
-    const ros::Time end = time_ + ros::Duration(limit_s);
-    while (time_ < end) {
-      if (!step()) return false;
-      if (condition()) return true;
-    }
-    return false;
+  /// Steps until a condition holds; false when it does not within a deadline of wall time: what comes on
+  /// other connections takes its own time, however fast the steps are.
+  bool stepUntil(const std::function<bool()>& condition, double wall_deadline_s = 30.0) {
+    bool answered = true;
+    const bool ended = test::waitUntil(
+        [&] {
+          answered = step();
+          return !answered || condition();
+        },
+        wall_deadline_s);
+    return ended && answered;
   }
 
   ros::Time now() const { return time_; }
