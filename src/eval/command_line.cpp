@@ -105,8 +105,10 @@ class Arguments {
   std::optional<std::string> value_;
 };
 
-void takeSuiteOption(const std::string& name, Arguments& arguments, EvaluateCommand& command) {
+void takeSuiteOption(const std::string& given, Arguments& arguments, EvaluateCommand& command) {
   const std::unique_ptr<Suite> suite = makeSuite(command.request.suite);
+  std::string name = given;  // written with dashes or, as in the files, with underscores
+  std::replace(name.begin(), name.end(), '-', '_');
   std::vector<std::string> known = kRunOptions;
   for (const FieldDescription& option : suite->options()) {
     if (option.name == name) {

@@ -336,6 +336,14 @@ void Simulator::moveModel(int model, const Eigen::Isometry3d& world_from_model) 
   impl_->moved(model);
 }
 
+void Simulator::startPerson(int person) {
+  if (person < 0 || person >= static_cast<int>(impl_->scene.people.size())) {
+    throw ConfigError("simulator: the world \"" + impl_->scene.name + "\" has no person number " +
+                      std::to_string(person));
+  }
+  impl_->scene.people[static_cast<std::size_t>(person)].start_delay_s = impl_->worldTime_s();
+}
+
 Duration Simulator::scanPeriod() const { return impl_->scan_steps * kPhysicsStep; }
 const Scene& Simulator::scene() const { return impl_->scene; }
 const RobotModel& Simulator::robot() const { return impl_->robot; }

@@ -116,6 +116,9 @@ class Simulator {
   /// Moves a model of the scene (an obstacle on a course of its own) for the next step. Throws ConfigError on
   /// a model that does not exist.
   void moveModel(int model, const Eigen::Isometry3d& world_from_model);
+  /// Lets a person of the scene set out now, whatever its start_delay_s said. Throws ConfigError on a person
+  /// that does not exist.
+  void startPerson(int person);
 
   /// The time between two scans, as rounded.
   Duration scanPeriod() const;
