@@ -35,6 +35,12 @@ GoalFinder::GoalFinder(std::unique_ptr<Detector> detector, const HeadRangeParams
   validate(range, "head range");
 }
 
+void GoalFinder::setParams(const HeadRangeParams& range, const GoalTrackerParams& tracker) {
+  validate(range, "head range");
+  tracker_ = GoalTracker(tracker);
+  range_params_ = range;
+}
+
 GoalFrame GoalFinder::look(const GoalView& view) {
   GoalFrame frame;
   frame.fault = faultOf(view);

@@ -45,4 +45,11 @@ struct Pinhole {
   std::optional<MappedPoint> lookThrough(const Eigen::Vector2d& pixel) const;
 };
 
+inline bool operator==(const Pinhole& a, const Pinhole& b) {
+  return a.width_px == b.width_px && a.height_px == b.height_px && a.fx == b.fx && a.fy == b.fy &&
+         a.cx == b.cx && a.cy == b.cy && a.k1 == b.k1 && a.k2 == b.k2 && a.p1 == b.p1 && a.p2 == b.p2 &&
+         a.k3 == b.k3;
+}
+inline bool operator!=(const Pinhole& a, const Pinhole& b) { return !(a == b); }
+
 }  // namespace frugal_nav

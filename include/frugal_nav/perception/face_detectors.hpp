@@ -13,6 +13,7 @@ namespace frugal_nav {
 
 /// OpenCV's cascade of Haar features for faces.
 struct CascadeFaceParams {
+  std::string kind = "cascade";
   std::string cascade_file = "/usr/share/opencv4/haarcascades/haarcascade_frontalface_alt2.xml";
   double scale_step = 1.1;
   int min_neighbors = 4;
@@ -20,6 +21,7 @@ struct CascadeFaceParams {
 
   template <class Visitor>
   void fields(Visitor&& visit) {
+    visit("kind", kind, Field{"", "tells this detector from the others", -1, 1, "cascade"});
     visit("cascade_file", cascade_file,
           Field{"", "the cascade; the default is where Debian's package opencv-data puts it"});
     visit("scale_step", scale_step,
@@ -47,6 +49,7 @@ class CascadeFaceDetector : public Detector {
 
 /// YuNet, a small network for faces.
 struct YunetParams {
+  std::string kind = "yunet";
   std::string model;
   int input_width_px = 320;
   int input_height_px = 320;
@@ -56,6 +59,7 @@ struct YunetParams {
 
   template <class Visitor>
   void fields(Visitor&& visit) {
+    visit("kind", kind, Field{"", "tells this detector from the others", -1, 1, "yunet"});
     visit("model", model, Field{"", "the network's ONNX file"});
     visit("input_width_px", input_width_px, Field{"px", "width the network was exported with", 32, 4096});
     visit("input_height_px", input_height_px, Field{"px", "height the network was exported with", 32, 4096});

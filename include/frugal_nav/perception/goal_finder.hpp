@@ -47,6 +47,8 @@ class GoalFinder {
   GoalFrame look(const GoalView& view);
 
   const Detector& detector() const { return *detector_; }
+  /// Other parameters from the next image on; the goal is forgotten. Throws ConfigError when they are bad.
+  void setParams(const HeadRangeParams& range, const GoalTrackerParams& tracker);
   /// Forgets the goal.
   void reset() { tracker_.reset(); }
 

@@ -12,7 +12,7 @@ namespace frugal_nav {
 
 /// What is known of the heads a detector boxes.
 struct HeadRangeParams {
-  double head_height_m = 0.24;
+  double head_height_m = 0.233;
   double head_depth_m = 0.20;
   double head_height_share = 0.05;
   double edge_noise_px = 1.0;

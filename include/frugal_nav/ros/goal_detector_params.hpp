@@ -1,0 +1,26 @@
+#pragma once
+
+#include <frugal_nav/perception/detector_choice.hpp>
+#include <frugal_nav/perception/goal_tracker.hpp>
+#include <frugal_nav/perception/head_range.hpp>
+#include <frugal_nav/ros/intake_params.hpp>
+
+namespace frugal_nav {
+
+/// Parameters of the node goal_detector: config/goal_detector.yaml. This header needs no ROS.
+struct GoalDetectorNodeParams {
+  ImageIntakeParams intake;
+  DetectorChoice detector;
+  HeadRangeParams head;
+  GoalTrackerParams tracker;
+
+  template <class Visitor>
+  void fields(Visitor&& visit) {
+    intake.fields(visit);
+    detector.fields(visit);
+    visit("head", head);
+    visit("tracker", tracker);
+  }
+};
+
+}  // namespace frugal_nav
