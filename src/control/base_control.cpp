@@ -48,13 +48,15 @@ BaseControl::BaseControl(const BaseControlParams& params, const BaseGeometry& ge
       waypoint_(params.waypoint),
       follower_(params.path),
       limiter_(params.limits, geometry.wheel_separation_m),
-      guard_(params.guard, geometry.footprint) {
+      guard_(params.guard, geometry.footprint),
+      depth_(params.depth) {
   setParams(params);
 }
 
 void BaseControl::setParams(const BaseControlParams& params) {
   validate(params, "base control");
   params_ = params;
+  depth_.setParams(params.depth);
   waypoint_ = WaypointController(params.waypoint);
   follower_ = PathFollower(params.path);
   limiter_ = VelocityLimiter(params.limits, geometry_.wheel_separation_m);
@@ -65,6 +67,8 @@ void BaseControl::setParams(const BaseControlParams& params) {
   watchdog_.watch("mission/command", params.timeouts.mission_command_s);
   watchdog_.watch("avoidance/command", params.timeouts.avoidance_command_s);
   watchdog_.watch("path", params.timeouts.path_s);
+  watchdog_.watch("obstacle/nearest", params.timeouts.obstacle_s);
+  watchdog_.watch("depth/scan", params.timeouts.depth_scan_s);
   watchdog_.watch("cmd_vel_in", params.timeouts.cmd_vel_in_s);
 }
 
@@ -76,6 +80,8 @@ void BaseControl::reset() {
   mission_ = {};
   goal_since_ = {};
   p_base_at_scan_.clear();
+  depth_.clear();
+  obstacle_ = {};
   refused_.clear();
   last_now_.reset();
   issued_ = before_ = {};
@@ -126,6 +132,10 @@ std::vector<std::string> BaseControl::requiredInputs() const {
       (by_hand ? params_.require_scan_in_manual : params_.require_scan)) {
     inputs.emplace_back("scan");
   }
+  if (mission_.mode == Mode::kCamera) {
+    inputs.emplace_back("obstacle/nearest");
+    if (has_depth_) inputs.emplace_back("depth/scan");
+  }
   return inputs;
 }
 
@@ -144,8 +154,8 @@ std::optional<BaseCommand> BaseControl::faultOf(const std::string& input, Stamp 
 Stamp BaseControl::newestStamp(Stamp now) const {
   // The clock's message may come after those of its instant: the newest input within the tolerance is "now".
   Stamp newest = now;
-  for (const char* input :
-       {"odom", "scan", "mission/state", "mission/command", "avoidance/command", "path", "cmd_vel_in"}) {
+  for (const char* input : {"odom", "scan", "mission/state", "mission/command", "avoidance/command", "path",
+                            "obstacle/nearest", "depth/scan", "cmd_vel_in"}) {
     const std::optional<Stamp> last = watchdog_.last(input);
     if (last && *last <= now + fromSeconds(params_.future_tolerance_s)) newest = std::max(newest, *last);
   }
@@ -154,7 +164,10 @@ Stamp BaseControl::newestStamp(Stamp now) const {
 
 Stamp BaseControl::sensorStamp() const {
   Stamp newest = std::max(watchdog_.last("odom").value_or(Stamp{}), watchdog_.last("scan").value_or(Stamp{}));
-  if (mission_.mode == Mode::kCamera) newest = std::max(newest, watchdog_.last("path").value_or(Stamp{}));
+  if (mission_.mode == Mode::kCamera) {
+    for (const char* input : {"path", "obstacle/nearest", "depth/scan"})
+      newest = std::max(newest, watchdog_.last(input).value_or(Stamp{}));
+  }
   return newest;
 }
 
@@ -200,12 +213,9 @@ BaseCommand BaseControl::pathCommand(Stamp now, const Pose2& odom_from_base) {
 }
 
 BaseCommand BaseControl::restrict(const BaseCommand& command, Stamp now, const Odometry& odometry) {
-  std::vector<Eigen::Vector2d> p_base;
-  if (watchdog_.last("scan")) {
-    const auto obstacles = obstaclesAt(odometry.odom_from_base);
-    if (!obstacles) return stopped(BaseCommand::Reason::kMissing, "no odometry at the stamp of the scan");
-    p_base = *obstacles;
-  }
+  const auto obstacles = obstaclesAt(now, odometry.odom_from_base);
+  if (!obstacles) return stopped(BaseCommand::Reason::kMissing, "no odometry at the stamp of the scan");
+  const std::vector<Eigen::Vector2d>& p_base = *obstacles;
   Twist2 velocity = limiter_.limitSpeed(command.velocity);
   if (isBlind(velocity.v_mps) && std::abs(velocity.v_mps) > params_.blind_mps) {
     const double factor = params_.blind_mps / std::abs(velocity.v_mps);
@@ -228,14 +238,43 @@ BaseCommand BaseControl::restrict(const BaseCommand& command, Stamp now, const O
   return result;
 }
 
-std::optional<std::vector<Eigen::Vector2d>> BaseControl::obstaclesAt(const Pose2& odom_from_base) const {
-  const std::optional<Odometry> at_scan = odometry_.predictedAt(scan_stamp_);
-  if (!at_scan) return std::nullopt;
-  const Pose2 now_from_scan = odom_from_base.inverse() * at_scan->odom_from_base;
+std::optional<std::vector<Eigen::Vector2d>> BaseControl::obstaclesAt(Stamp now,
+                                                                     const Pose2& odom_from_base) const {
   std::vector<Eigen::Vector2d> p_base;
-  p_base.reserve(p_base_at_scan_.size());
-  for (const Eigen::Vector2d& p : p_base_at_scan_) p_base.push_back(now_from_scan * p);
+  if (watchdog_.last("scan")) {
+    const std::optional<Odometry> at_scan = odometry_.predictedAt(scan_stamp_);
+    if (!at_scan) return std::nullopt;
+    const Pose2 now_from_scan = odom_from_base.inverse() * at_scan->odom_from_base;
+    for (const Eigen::Vector2d& p : p_base_at_scan_) p_base.push_back(now_from_scan * p);
+  }
+  for (const Eigen::Vector2d& p : depth_.pointsAt(now, odom_from_base)) {
+    if (guard_.clearance(p) > 0.0) p_base.push_back(p);  // inside: its place is known to a few centimetres
+  }
+  addNearest(now, odom_from_base, p_base);
   return p_base;
+}
+
+// The nearest obstacle where its velocity has brought it by now, and by one standard deviation nearer.
+void BaseControl::addNearest(Stamp now, const Pose2& odom_from_base,
+                             std::vector<Eigen::Vector2d>& p_base) const {
+  constexpr double kStep_s = 0.05;
+  constexpr double kOutward = 1.05;
+  const bool fresh = !watchdog_.fault("obstacle/nearest", now) && refused_.count("obstacle/nearest") == 0;
+  if (!fresh || !obstacle_.found) return;
+  const Pose2 base_from_odom = odom_from_base.inverse();
+  const double age_s = toSeconds(now - obstacle_.stamp);
+  Eigen::Vector2d place = base_from_odom * obstacle_.p_odom;
+  for (double t = 0.0; t < age_s && guard_.clearance(place) > 0.0; t += kStep_s) {
+    place = base_from_odom * (obstacle_.p_odom + std::min(t + kStep_s, age_s) * obstacle_.velocity_mps);
+  }
+  const double distance_m = place.norm();
+  if (distance_m < 1e-3) return;
+  const double nearer = std::max(1.0 - obstacle_.sigma_m / distance_m, 1e-3);
+  for (Eigen::Vector2d p : {place, Eigen::Vector2d(nearer * place)}) {
+    // Not within the robot, however little is known of its distance: there it would hinder no motion.
+    while (guard_.clearance(p) <= 0.0) p *= kOutward;
+    p_base.push_back(p);
+  }
 }
 
 bool BaseControl::isBlind(double v_mps) const {

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 
 #include <frugal_nav/control/base_control.hpp>
 
@@ -39,6 +40,22 @@ std::optional<std::string> inputFault(const MotionCommand& command, const Odomet
 std::optional<std::string> inputFault(const Odometry& odometry, const PlausibleCommands& plausible) {
   if (!odometry.odom_from_base.isFinite()) return "its pose is not finite";
   return inputFault(odometry.twist, plausible);
+}
+
+std::optional<std::string> inputFault(const NearestObstacle& obstacle) {
+  if (!obstacle.found) {
+    return obstacle.reason.empty() ? std::nullopt : std::optional<std::string>(obstacle.reason);
+  }
+  if (!obstacle.p_odom.allFinite() || !obstacle.velocity_mps.allFinite()) return "it is not finite";
+  if (!(obstacle.sigma_m >= 0.0)) return "its standard deviation is not a number of metres";
+  return std::nullopt;
+}
+
+/// As findFault(), but a scan that knows nothing is sound: the image's use is obstacle/nearest's to tell.
+std::optional<std::string> depthFault(LaserScan scan) {
+  if (scan.ranges_m.empty()) return "the scan is empty";
+  scan.ranges_m.front() = std::numeric_limits<float>::infinity();
+  return findFault(scan);
 }
 
 }  // namespace
@@ -109,6 +126,20 @@ bool BaseControl::setPath(const Path2& path, Stamp stamp) {
   }
   if (!accept("path", stamp, fault)) return false;
   path_ = path;
+  return true;
+}
+
+bool BaseControl::setObstacle(const NearestObstacle& obstacle) {
+  if (!accept("obstacle/nearest", obstacle.stamp, inputFault(obstacle))) return false;
+  obstacle_ = obstacle;
+  return true;
+}
+
+bool BaseControl::setDepthScan(const LaserScan& scan) {
+  has_depth_ = true;
+  if (!accept("depth/scan", scan.stamp, depthFault(scan))) return false;
+  const std::optional<Odometry> odometry = odometry_.predictedAt(scan.stamp);
+  if (odometry) depth_.add(scan, odometry->odom_from_base);
   return true;
 }
 

@@ -45,10 +45,12 @@ BaseControllerNode::BaseControllerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
                   nh.subscribe("scan", 2, &Node::onScan, this, hints),
                   nh.subscribe("avoidance/command", 2, &Node::onLocalCommand, this, hints),
                   nh.subscribe("path", 2, &Node::onPath, this, hints),
+                  nh.subscribe("obstacle/nearest", 2, &Node::onObstacle, this, hints),
+                  nh.subscribe("depth/scan", 2, &Node::onDepthScan, this, hints),
                   nh.subscribe("mission/command", 10, &Node::onMissionCommand, this, hints),
                   nh.subscribe("cmd_vel_in", 10, &Node::onManualCommand, this, hints)};
-  for (const char* topic :
-       {"mission/state", "odom", "scan", "avoidance/command", "path", "mission/command", "cmd_vel_in"}) {
+  for (const char* topic : {"mission/state", "odom", "scan", "avoidance/command", "path", "obstacle/nearest",
+                            "depth/scan", "mission/command", "cmd_vel_in"}) {
     diagnostics_.input(topic);
   }
   timer_ =
@@ -69,7 +71,7 @@ void BaseControllerNode::stop() {
 
 void BaseControllerNode::onMissionState(const MissionState& msg) {
   const Stamp stamp = toStamp(msg.header.stamp);
-  Pending pending{stamp, stamp, Stamp{}, Stamp{}};
+  Pending pending{stamp, stamp, Stamp{}, Stamp{}, Stamp{}};
   if (const std::optional<MissionStatus> status = fromRos(msg)) {
     note("mission/state", control_.setMission(*status), stamp);
     if (status->mode == Mode::kAligning || status->mode == Mode::kRecovering) pending.mission_command = stamp;
@@ -118,7 +120,7 @@ void BaseControllerNode::onLocalCommand(const LocalCommand& msg) {
     control_.refuse("avoidance/command", "unknown status, or not finite");
     note("avoidance/command", false, stamp);
   }
-  request({stamp, stamp, stamp, Stamp{}});
+  request({stamp, stamp, stamp, Stamp{}, Stamp{}});
 }
 
 void BaseControllerNode::onPath(const nav_msgs::Path& msg) {
@@ -134,7 +136,35 @@ void BaseControllerNode::onPath(const nav_msgs::Path& msg) {
     control_.refuse("path", "not finite, or no sound quaternion");
     note("path", false, stamp);
   }
-  if (control_.mode() == Mode::kCamera) request({stamp, stamp, Stamp{}, Stamp{}});
+  if (control_.mode() == Mode::kCamera) request({stamp, stamp, Stamp{}, Stamp{}, stamp});
+}
+
+void BaseControllerNode::onObstacle(const Obstacle& msg) {
+  obstacle_stamp_ = toStamp(msg.header.stamp);
+  const std::optional<NearestObstacle> obstacle = fromRos(msg);
+  if (msg.found && msg.header.frame_id != params_.odom_frame) {
+    control_.refuse("obstacle/nearest",
+                    "it is in \"" + msg.header.frame_id + "\", not in \"" + params_.odom_frame + "\"");
+    note("obstacle/nearest", false, obstacle_stamp_);
+  } else if (obstacle) {
+    note("obstacle/nearest", control_.setObstacle(*obstacle), obstacle_stamp_);
+  } else {
+    control_.refuse("obstacle/nearest", "not finite");
+    note("obstacle/nearest", false, obstacle_stamp_);
+  }
+  cycleWhenReady();
+}
+
+void BaseControllerNode::onDepthScan(const sensor_msgs::LaserScan& msg) {
+  depth_stamp_ = toStamp(msg.header.stamp);
+  if (msg.header.frame_id == params_.base_frame) {
+    note("depth/scan", control_.setDepthScan(fromRos(msg)), *depth_stamp_);
+  } else {
+    control_.refuse("depth/scan",
+                    "it is in \"" + msg.header.frame_id + "\", not in \"" + params_.base_frame + "\"");
+    note("depth/scan", false, *depth_stamp_);
+  }
+  cycleWhenReady();
 }
 
 void BaseControllerNode::onMissionCommand(const geometry_msgs::TwistStamped& msg) {
@@ -171,7 +201,8 @@ void BaseControllerNode::request(const Pending& pending) {
 
 void BaseControllerNode::cycleWhenReady() {
   if (pending_ && odom_stamp_ >= pending_->odom && scan_stamp_ >= pending_->scan &&
-      mission_command_stamp_ >= pending_->mission_command) {
+      mission_command_stamp_ >= pending_->mission_command && obstacle_stamp_ >= pending_->camera &&
+      (!depth_stamp_ || *depth_stamp_ >= pending_->camera)) {
     stamp_ = pending_->stamp;
     pending_.reset();
     cycle();

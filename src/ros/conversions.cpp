@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <frugal_nav/ros/conversions.hpp>
@@ -53,6 +54,20 @@ LaserScan fromRos(const sensor_msgs::LaserScan& msg) {
   scan.range_max_m = static_cast<double>(msg.range_max);
   scan.ranges_m = msg.ranges;
   return scan;
+}
+
+sensor_msgs::LaserScan toRos(const LaserScan& scan, const std::string& frame) {
+  sensor_msgs::LaserScan msg;
+  msg.header.stamp = toRos(scan.stamp);
+  msg.header.frame_id = frame;
+  msg.angle_min = static_cast<float>(scan.angle_min_rad);
+  msg.angle_increment = static_cast<float>(scan.angle_increment_rad);
+  msg.angle_max =
+      scan.ranges_m.empty() ? msg.angle_min : static_cast<float>(scan.angleOf(scan.ranges_m.size() - 1));
+  msg.range_min = static_cast<float>(scan.range_min_m);
+  msg.range_max = static_cast<float>(scan.range_max_m);
+  msg.ranges = scan.ranges_m;
+  return msg;
 }
 
 std::optional<Odometry> fromRos(const nav_msgs::Odometry& msg) {
@@ -177,6 +192,87 @@ MissionState toRos(const MissionStatus& status) {
   msg.state = static_cast<std::uint8_t>(status.phase);
   msg.reason = status.reason;
   msg.goal_number = status.goal_number;
+  return msg;
+}
+
+std::optional<GapSighting> fromRos(const Gap& msg) {
+  GapSighting gap;
+  gap.stamp = toStamp(msg.header.stamp);
+  gap.found = msg.found != 0;
+  gap.reason = msg.reason;
+  if (!gap.found) return gap;
+  gap.left_column_px = msg.left_column;
+  gap.right_column_px = msg.right_column;
+  gap.left_bearing_rad = msg.left_bearing_rad;
+  gap.right_bearing_rad = msg.right_bearing_rad;
+  gap.bearing_rad = msg.bearing_rad;
+  gap.width_m = msg.width_m;
+  gap.depth_m = msg.depth_m;
+  gap.block = msg.block;
+  gap.p_odom = {msg.node.x, msg.node.y};
+  const bool finite = gap.p_odom.allFinite() && std::isfinite(gap.left_bearing_rad) &&
+                      std::isfinite(gap.right_bearing_rad) && std::isfinite(gap.bearing_rad);
+  return finite ? std::optional<GapSighting>(gap) : std::nullopt;
+}
+
+Gap toRos(const GapSighting& gap, const std::string& odom_frame) {
+  Gap msg;
+  msg.header.stamp = toRos(gap.stamp);
+  msg.header.frame_id = odom_frame;
+  msg.found = static_cast<std::uint8_t>(gap.found);
+  msg.reason = gap.reason;
+  msg.left_column = gap.left_column_px;
+  msg.right_column = gap.right_column_px;
+  msg.left_bearing_rad = gap.left_bearing_rad;
+  msg.right_bearing_rad = gap.right_bearing_rad;
+  msg.bearing_rad = gap.bearing_rad;
+  msg.width_m = gap.width_m;
+  msg.depth_m = gap.depth_m;
+  msg.block = static_cast<std::int8_t>(gap.block);
+  msg.node.x = gap.p_odom.x();
+  msg.node.y = gap.p_odom.y();
+  return msg;
+}
+
+std::optional<NearestObstacle> fromRos(const Obstacle& msg) {
+  NearestObstacle obstacle;
+  obstacle.stamp = toStamp(msg.header.stamp);
+  obstacle.found = msg.found != 0;
+  obstacle.reason = msg.reason;
+  if (!obstacle.found) return obstacle;
+  obstacle.p_odom = {msg.point.x, msg.point.y};
+  obstacle.distance_m = msg.distance_m;
+  obstacle.bearing_rad = msg.bearing_rad;
+  obstacle.sigma_m = msg.sigma_m;
+  obstacle.source = msg.source;
+  obstacle.velocity_mps = {msg.velocity.x, msg.velocity.y};
+  obstacle.left_px = static_cast<int>(msg.region.x_offset);
+  obstacle.top_px = static_cast<int>(msg.region.y_offset);
+  obstacle.width_px = static_cast<int>(msg.region.width);
+  obstacle.height_px = static_cast<int>(msg.region.height);
+  const bool finite = obstacle.p_odom.allFinite() && obstacle.velocity_mps.allFinite() &&
+                      std::isfinite(obstacle.distance_m) && std::isfinite(obstacle.bearing_rad);
+  return finite ? std::optional<NearestObstacle>(obstacle) : std::nullopt;
+}
+
+Obstacle toRos(const NearestObstacle& obstacle, const std::string& odom_frame) {
+  Obstacle msg;
+  msg.header.stamp = toRos(obstacle.stamp);
+  msg.header.frame_id = odom_frame;
+  msg.found = static_cast<std::uint8_t>(obstacle.found);
+  msg.reason = obstacle.reason;
+  msg.point.x = obstacle.p_odom.x();
+  msg.point.y = obstacle.p_odom.y();
+  msg.distance_m = obstacle.distance_m;
+  msg.bearing_rad = obstacle.bearing_rad;
+  msg.sigma_m = obstacle.sigma_m;
+  msg.source = obstacle.source;
+  msg.velocity.x = obstacle.velocity_mps.x();
+  msg.velocity.y = obstacle.velocity_mps.y();
+  msg.region.x_offset = static_cast<std::uint32_t>(std::max(obstacle.left_px, 0));
+  msg.region.y_offset = static_cast<std::uint32_t>(std::max(obstacle.top_px, 0));
+  msg.region.width = static_cast<std::uint32_t>(std::max(obstacle.width_px, 0));
+  msg.region.height = static_cast<std::uint32_t>(std::max(obstacle.height_px, 0));
   return msg;
 }
 

@@ -19,6 +19,7 @@
 
 #include <frugal_nav/LocalCommand.h>
 #include <frugal_nav/MissionState.h>
+#include <frugal_nav/Obstacle.h>
 
 namespace frugal_nav {
 namespace {
@@ -40,6 +41,8 @@ class Graph {
         state(nh.advertise<MissionState>("mission/state", 50)),
         local(nh.advertise<LocalCommand>("avoidance/command", 50)),
         path(nh.advertise<nav_msgs::Path>("path", 50)),
+        obstacle(nh.advertise<Obstacle>("obstacle/nearest", 50)),
+        depth(nh.advertise<sensor_msgs::LaserScan>("depth/scan", 50)),
         mission(nh.advertise<geometry_msgs::TwistStamped>("mission/command", 50)),
         manual(nh.advertise<geometry_msgs::TwistStamped>("cmd_vel_in", 50)),
         cmd_vel(nh, "cmd_vel"),
@@ -50,7 +53,8 @@ class Graph {
     transform.transform.translation.x = 0.02;
     transform.transform.rotation.w = 1.0;
     transforms.sendTransform(transform);
-    for (const ros::Publisher* publisher : {&odom, &scan, &state, &local, &path, &mission, &manual}) {
+    for (const ros::Publisher* publisher :
+         {&odom, &scan, &state, &local, &path, &obstacle, &depth, &mission, &manual}) {
       connected = connected && test::waitForSubscriber(*publisher);
     }
     connected = connected && cmd_vel.waitForPublisher() && stamped.waitForPublisher() &&
@@ -68,6 +72,11 @@ class Graph {
     scan_msg.range_min = 0.15F;
     scan_msg.range_max = 12.0F;
     scan_msg.ranges.assign(360, std::numeric_limits<float>::infinity());
+    obstacle_msg.header.frame_id = "odom";
+    depth_msg = scan_msg;
+    depth_msg.header.frame_id = "base_link";
+    depth_msg.angle_min = -0.5F;
+    depth_msg.ranges.assign(58, std::numeric_limits<float>::infinity());
   }
 
   void sendOdom() {
@@ -101,6 +110,14 @@ class Graph {
     twist.twist = velocity;
     if (scan_on) sendScan();
     if (odom_on) sendOdom();
+    if (obstacle_on) {
+      obstacle_msg.header.stamp = clock.now();
+      obstacle.publish(obstacle_msg);
+    }
+    if (depth_on) {
+      depth_msg.header.stamp = clock.now();
+      depth.publish(depth_msg);
+    }
     if (path_on) path.publish(path_msg);
     if (mission_on) mission.publish(twist);
     if (manual_on) manual.publish(twist);
@@ -137,18 +154,20 @@ class Graph {
 
   test::TestClock clock;
   tf2_ros::StaticTransformBroadcaster transforms;
-  ros::Publisher odom, scan, state, local, path, mission, manual;
+  ros::Publisher odom, scan, state, local, path, obstacle, depth, mission, manual;
   test::Recorder<geometry_msgs::Twist> cmd_vel;
   test::Recorder<geometry_msgs::TwistStamped> stamped;
   bool connected = true;
   MissionState state_msg;
   LocalCommand local_msg;
   nav_msgs::Path path_msg;
+  Obstacle obstacle_msg;  ///< there is none near
   sensor_msgs::LaserScan scan_msg;
+  sensor_msgs::LaserScan depth_msg;
   geometry_msgs::Twist velocity;
   geometry_msgs::Twist odom_twist;
   bool odom_on = true, scan_on = true, state_on = true, local_on = true, path_on = true, mission_on = true,
-       manual_on = true;
+       manual_on = true, obstacle_on = true, depth_on = true;
 };
 
 /// Time goes on from one test to the next; each begins with a driving robot in its mode.
@@ -235,6 +254,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Stopped{"avoidance_command", MissionState::MODE_LIDAR, &Graph::local_on, 0.5},
                     Stopped{"mission_state", MissionState::MODE_LIDAR, &Graph::state_on, 0.25},
                     Stopped{"path", MissionState::MODE_CAMERA, &Graph::path_on, 1.0},
+                    Stopped{"obstacle_nearest", MissionState::MODE_CAMERA, &Graph::obstacle_on, 1.0},
+                    Stopped{"depth_scan", MissionState::MODE_CAMERA, &Graph::depth_on, 1.0},
                     Stopped{"mission_command", MissionState::MODE_ALIGNING, &Graph::mission_on, 0.25},
                     Stopped{"cmd_vel_in", MissionState::MODE_MANUAL, &Graph::manual_on, 0.25}),
     [](const auto& stopped) { return std::string(stopped.param.name); });
@@ -279,6 +300,38 @@ TEST_F(BaseControllerNodeTest, ATargetInAnotherFrameStopsIt) {
   ASSERT_NO_FATAL_FAILURE(graph_->steps(3));
   EXPECT_TRUE(graph_->driving());
   graph_->local_msg.header.frame_id = "map";
+  ASSERT_NO_FATAL_FAILURE(graph_->steps(2));
+  EXPECT_TRUE(graph_->becomesZero());
+}
+
+TEST_F(BaseControllerNodeTest, AnImageOfNoUseStopsModeCamera) {
+  ASSERT_NO_FATAL_FAILURE(driveIn(MissionState::MODE_CAMERA));
+  graph_->obstacle_msg.reason = "the image is black";
+  ASSERT_NO_FATAL_FAILURE(graph_->steps(2));  // it may arrive after the cycle of its own instant
+  EXPECT_TRUE(graph_->becomesZero());
+}
+
+TEST_F(BaseControllerNodeTest, AnObstacleOfTheCameraStopsIt) {
+  ASSERT_NO_FATAL_FAILURE(driveIn(MissionState::MODE_CAMERA));
+  graph_->obstacle_msg.found = 1;
+  graph_->obstacle_msg.sigma_m = 0.02;
+  graph_->obstacle_msg.point.x = 0.17;  // 5 cm before the front, which stands at one place in odom
+  graph_->odom_twist.linear.x = 0.5;
+  ASSERT_NO_FATAL_FAILURE(graph_->steps(2));
+  EXPECT_TRUE(graph_->becomesZero());
+  graph_->obstacle_msg.point.x = 2.0;
+  graph_->odom_twist.linear.x = 0.0;
+  ASSERT_NO_FATAL_FAILURE(graph_->steps(10));
+  EXPECT_TRUE(graph_->driving());
+  graph_->obstacle_msg.header.frame_id = "map";
+  ASSERT_NO_FATAL_FAILURE(graph_->steps(2));
+  EXPECT_TRUE(graph_->becomesZero());
+}
+
+TEST_F(BaseControllerNodeTest, WhatTheCameraSeesAheadStopsIt) {
+  ASSERT_NO_FATAL_FAILURE(driveIn(MissionState::MODE_CAMERA));
+  for (std::size_t i = 20; i < 40; ++i) graph_->depth_msg.ranges[i] = 0.17F;
+  graph_->odom_twist.linear.x = 0.5;
   ASSERT_NO_FATAL_FAILURE(graph_->steps(2));
   EXPECT_TRUE(graph_->becomesZero());
 }

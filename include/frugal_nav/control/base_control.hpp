@@ -9,10 +9,12 @@
 #include <frugal_nav/common/laser_scan.hpp>
 #include <frugal_nav/common/mission_status.hpp>
 #include <frugal_nav/common/motion_command.hpp>
+#include <frugal_nav/common/nearest_obstacle.hpp>
 #include <frugal_nav/common/odometry_buffer.hpp>
 #include <frugal_nav/common/params.hpp>
 #include <frugal_nav/control/blind_watch.hpp>
 #include <frugal_nav/control/collision_guard.hpp>
+#include <frugal_nav/control/depth_memory.hpp>
 #include <frugal_nav/control/path_follower.hpp>
 #include <frugal_nav/control/velocity_limiter.hpp>
 #include <frugal_nav/control/watchdog.hpp>
@@ -29,6 +31,8 @@ struct BaseTimeouts {
   double scan_s = 0.5;
   double avoidance_command_s = 0.5;
   double path_s = 1.0;
+  double obstacle_s = 1.0;
+  double depth_scan_s = 1.0;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -44,6 +48,9 @@ struct BaseTimeouts {
           Field{"s", "of avoidance/command, which has the stamp of its scan", 0.05, 10.0});
     visit("path_s", path_s,
           Field{"s", "of path in mode camera: 2.5 periods of the camera pipeline", 0.05, 10.0});
+    visit("obstacle_s", obstacle_s, Field{"s", "of obstacle/nearest in mode camera, likewise", 0.05, 10.0});
+    visit("depth_scan_s", depth_scan_s,
+          Field{"s", "of depth/scan in mode camera, likewise, once one has come", 0.05, 10.0});
   }
 };
 
@@ -72,6 +79,7 @@ struct BaseControlParams {
   PlausibleCommands plausible;
   VelocityLimits limits;
   CollisionGuardParams guard;
+  DepthMemoryParams depth;
   WaypointParams waypoint;
   PathFollowerParams path;
 
@@ -94,6 +102,7 @@ struct BaseControlParams {
     visit("plausible", plausible);
     visit("limits", limits);
     visit("guard", guard);
+    visit("depth", depth);
     visit("waypoint", waypoint);
     visit("path", path);
   }
@@ -143,6 +152,11 @@ class BaseControl {
   bool setLocalCommand(const MotionCommand& command);
   /// A path in odom, for mode camera; stamped with the image it rests on.
   bool setPath(const Path2& path, Stamp stamp);
+  /// The nearest obstacle in the camera's view, for mode camera. One that was not found for a reason is a
+  /// fault: the image was of no use.
+  bool setObstacle(const NearestObstacle& obstacle);
+  /// What the camera sees, as a scan in base_link; beams without knowledge are NaN, all of them if need be.
+  bool setDepthScan(const LaserScan& scan);
   bool setMissionCommand(const Twist2& velocity, Stamp stamp);
   bool setManualCommand(const Twist2& velocity, Stamp stamp);
   /// An input that could not even be converted; `input` is its topic.
@@ -176,7 +190,8 @@ class BaseControl {
   BaseCommand localCommand(const Pose2& odom_from_base) const;
   BaseCommand pathCommand(Stamp now, const Pose2& odom_from_base);
   BaseCommand restrict(const BaseCommand& command, Stamp now, const Odometry& odometry);
-  std::optional<std::vector<Eigen::Vector2d>> obstaclesAt(const Pose2& odom_from_base) const;
+  std::optional<std::vector<Eigen::Vector2d>> obstaclesAt(Stamp now, const Pose2& odom_from_base) const;
+  void addNearest(Stamp now, const Pose2& odom_from_base, std::vector<Eigen::Vector2d>& p_base) const;
   bool isBlind(double v_mps) const;
 
   BaseControlParams params_;
@@ -198,6 +213,9 @@ class BaseControl {
   Stamp scan_stamp_{};
   std::vector<Eigen::Vector2d> p_base_at_scan_;
   bool has_scanner_ = false;
+  NearestObstacle obstacle_;
+  DepthMemory depth_;
+  bool has_depth_ = false;
 
   std::optional<Stamp> last_now_;
   bool time_jumped_ = false;

@@ -15,6 +15,7 @@
 
 #include <frugal_nav/LocalCommand.h>
 #include <frugal_nav/MissionState.h>
+#include <frugal_nav/Obstacle.h>
 #include <frugal_nav/control/base_control.hpp>
 #include <frugal_nav/ros/base_controller_params.hpp>
 #include <frugal_nav/ros/diagnostics.hpp>
@@ -42,6 +43,7 @@ class BaseControllerNode {
     Stamp odom;
     Stamp scan;
     Stamp mission_command;
+    Stamp camera;  ///< of obstacle/nearest, and of depth/scan once one has come
   };
 
   void onMissionState(const MissionState& msg);
@@ -49,6 +51,8 @@ class BaseControllerNode {
   void onScan(const sensor_msgs::LaserScan& msg);
   void onLocalCommand(const LocalCommand& msg);
   void onPath(const nav_msgs::Path& msg);
+  void onObstacle(const Obstacle& msg);
+  void onDepthScan(const sensor_msgs::LaserScan& msg);
   void onMissionCommand(const geometry_msgs::TwistStamped& msg);
   void onManualCommand(const geometry_msgs::TwistStamped& msg);
   void onTimer();
@@ -73,6 +77,8 @@ class BaseControllerNode {
   Stamp odom_stamp_{};
   Stamp scan_stamp_{};
   Stamp mission_command_stamp_{};
+  Stamp obstacle_stamp_{};
+  std::optional<Stamp> depth_stamp_;
   ros::Time last_cycle_;
   // The command's stamp is its trigger's, not that of the newest input: it answers one sensor message, and
   // who waits for that answer does not take another command for it.

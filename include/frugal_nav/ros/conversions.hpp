@@ -10,12 +10,16 @@
 #include <ros/time.h>
 #include <sensor_msgs/LaserScan.h>
 
+#include <frugal_nav/Gap.h>
 #include <frugal_nav/LocalCommand.h>
 #include <frugal_nav/MissionState.h>
+#include <frugal_nav/Obstacle.h>
+#include <frugal_nav/common/gap_sighting.hpp>
 #include <frugal_nav/common/geometry.hpp>
 #include <frugal_nav/common/laser_scan.hpp>
 #include <frugal_nav/common/mission_status.hpp>
 #include <frugal_nav/common/motion_command.hpp>
+#include <frugal_nav/common/nearest_obstacle.hpp>
 #include <frugal_nav/common/odometry.hpp>
 #include <frugal_nav/common/time.hpp>
 
@@ -35,6 +39,7 @@ std::optional<Pose2> planar(const geometry_msgs::Pose& pose);
 Twist2 planar(const geometry_msgs::Twist& twist);
 
 LaserScan fromRos(const sensor_msgs::LaserScan& msg);
+sensor_msgs::LaserScan toRos(const LaserScan& scan, const std::string& frame);
 
 /// nullopt when the pose is not finite or its quaternion is none.
 std::optional<Odometry> fromRos(const nav_msgs::Odometry& msg);
@@ -52,5 +57,13 @@ LocalCommand toRos(const MotionCommand& command, const std::string& odom_frame);
 /// nullopt when mode or state is none of the message's constants.
 std::optional<MissionStatus> fromRos(const MissionState& msg);
 MissionState toRos(const MissionStatus& status);
+
+/// nullopt when a gap was found and its node or a bearing is not finite; width and depth may be NaN.
+std::optional<GapSighting> fromRos(const Gap& msg);
+Gap toRos(const GapSighting& gap, const std::string& odom_frame);
+
+/// nullopt when an obstacle was found and its place, velocity or distance is not finite.
+std::optional<NearestObstacle> fromRos(const Obstacle& msg);
+Obstacle toRos(const NearestObstacle& obstacle, const std::string& odom_frame);
 
 }  // namespace frugal_nav

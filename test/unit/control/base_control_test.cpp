@@ -26,6 +26,18 @@ LaserScan openScan(Stamp stamp) {
   return scan;
 }
 
+/// What the camera sees where nothing stands: half its view to each side, a beam a degree.
+LaserScan depthScan(Stamp stamp) {
+  LaserScan scan;
+  scan.stamp = stamp;
+  scan.angle_min_rad = -30.0 / 180.0 * M_PI;
+  scan.angle_increment_rad = M_PI / 180.0;
+  scan.range_min_m = 0.1;
+  scan.range_max_m = 5.0;
+  scan.ranges_m.assign(61, std::numeric_limits<float>::infinity());
+  return scan;
+}
+
 /// A base that stands in the open; each input can be switched off.
 struct Bench {
   explicit Bench(Mode mode, const BaseControlParams& params = {}) : control(params, kGeometry) {
@@ -46,6 +58,11 @@ struct Bench {
       control.setLocalCommand(local);
     }
     if (path_on) control.setPath({{0.0, 0.0, 0.0}, {5.0, 0.0, 0.0}}, now);
+    if (obstacle_on) {
+      obstacle.stamp = now;
+      control.setObstacle(obstacle);
+    }
+    if (depth_on) control.setDepthScan(depthScan(now));
     if (mission_command_on) control.setMissionCommand({0.1, 0.2}, now);
     if (manual_on) control.setManualCommand(manual, now);
     if (state_on) {
@@ -80,9 +97,10 @@ struct Bench {
     command.velocity = {0.2, 0.1};
     return command;
   }();
+  NearestObstacle obstacle;
   Twist2 manual{0.2, 0.0};
   bool odom_on = true, scan_on = true, local_on = true, path_on = true, mission_command_on = true,
-       manual_on = true, state_on = true;
+       manual_on = true, state_on = true, obstacle_on = true, depth_on = true;
 };
 
 TEST(BaseControl, EachModeHasItsOwnSource) {
@@ -155,6 +173,8 @@ INSTANTIATE_TEST_SUITE_P(
                     StoppedInput{"mission/state", Mode::kLidar, &Bench::state_on, 0.25},
                     StoppedInput{"avoidance/command", Mode::kLidar, &Bench::local_on, 0.5},
                     StoppedInput{"path", Mode::kCamera, &Bench::path_on, 1.0},
+                    StoppedInput{"obstacle/nearest", Mode::kCamera, &Bench::obstacle_on, 1.0},
+                    StoppedInput{"depth/scan", Mode::kCamera, &Bench::depth_on, 1.0},
                     StoppedInput{"mission/command", Mode::kAligning, &Bench::mission_command_on, 0.25},
                     StoppedInput{"cmd_vel_in", Mode::kManual, &Bench::manual_on, 0.25},
                     StoppedInput{"scan", Mode::kManual, &Bench::scan_on, 0.5}));
@@ -170,9 +190,129 @@ TEST(BaseControl, ADroppedScanOfAManualBaseWithoutScannerIsNoFault) {
   EXPECT_FALSE(loose.run(0.5).velocity.isZero());
 }
 
+/// A base that is driven by its camera alone.
+Bench byCamera() {
+  BaseControlParams params;
+  params.require_scan = false;
+  Bench bench(Mode::kCamera, params);
+  bench.scan_on = bench.local_on = bench.mission_command_on = bench.manual_on = false;
+  return bench;
+}
+
+TEST(BaseControl, TheCameraAloneDrivesIt) {
+  Bench bench = byCamera();
+  EXPECT_NEAR(bench.run(1.5).velocity.v_mps, 0.35, 1e-9);
+}
+
+TEST(BaseControl, WithoutObstacleNearestModeCameraStands) {
+  Bench bench = byCamera();
+  bench.obstacle_on = false;
+  const BaseCommand command = bench.run(0.5);
+  EXPECT_EQ(command.reason, Reason::kMissing);
+  EXPECT_NE(command.text.find("obstacle/nearest"), std::string::npos) << command.text;
+}
+
+TEST(BaseControl, DepthScanIsRequiredOnceItHasCome) {
+  Bench bench = byCamera();
+  bench.depth_on = false;
+  EXPECT_FALSE(bench.run(0.5).velocity.isZero()) << "not every depth source gives one";
+}
+
+TEST(BaseControl, AnImageOfNoUseStopsItInThatCycle) {
+  Bench bench = byCamera();
+  ASSERT_FALSE(bench.run(1.0).velocity.isZero());
+  bench.obstacle.reason = "the image is black";
+  const BaseCommand command = bench.step();
+  EXPECT_TRUE(command.velocity.isZero());
+  EXPECT_EQ(command.reason, Reason::kRefused);
+  EXPECT_NE(command.text.find("the image is black"), std::string::npos) << command.text;
+  bench.obstacle.reason = "";
+  EXPECT_FALSE(bench.step().velocity.isZero());
+}
+
+TEST(BaseControl, AnObstacleThatIsNotFiniteStopsIt) {
+  Bench bench = byCamera();
+  ASSERT_FALSE(bench.run(1.0).velocity.isZero());
+  bench.obstacle.found = true;
+  bench.obstacle.sigma_m = 0.1;
+  bench.obstacle.p_odom = {kNan, 0.0};
+  EXPECT_EQ(bench.step().reason, Reason::kRefused);
+  bench.obstacle.p_odom = {2.0, 0.0};
+  bench.obstacle.sigma_m = kNan;
+  EXPECT_EQ(bench.step().reason, Reason::kRefused);
+  bench.obstacle.sigma_m = 0.1;
+  EXPECT_EQ(bench.step().reason, Reason::kNone);
+}
+
+TEST(BaseControl, ADepthScanThatKnowsNothingIsSoundAndAnEmptyOneIsNot) {
+  Bench bench = byCamera();
+  bench.depth_on = false;
+  LaserScan scan = depthScan(bench.now);
+  scan.ranges_m.assign(61, std::nanf(""));
+  EXPECT_TRUE(bench.control.setDepthScan(scan));
+  scan.ranges_m.clear();
+  EXPECT_FALSE(bench.control.setDepthScan(scan));
+  EXPECT_EQ(bench.run(0.1).reason, Reason::kRefused);
+}
+
+/// Where the front of the base stands when it drives at an obstacle 1.5 m ahead.
+double frontBeforeObstacle(double sigma_m) {
+  Bench bench = byCamera();
+  bench.obstacle.found = true;
+  bench.obstacle.p_odom = {1.5, 0.0};
+  bench.obstacle.sigma_m = sigma_m;
+  EXPECT_EQ(bench.run(10.0).reason, Reason::kObstacle);
+  return bench.odometry.odom_from_base.x_m + 0.12;
+}
+
+TEST(BaseControl, TheNearestObstacleStopsItEarlierTheLessItsPlaceIsKnown) {
+  const double sharp_m = frontBeforeObstacle(0.0);
+  EXPECT_LT(sharp_m, 1.5);
+  EXPECT_GT(sharp_m, 1.44);  // margin 0.025 m, and the steps of its slowing down
+  EXPECT_NEAR(frontBeforeObstacle(0.2), sharp_m - 0.2, 0.03);
+}
+
+TEST(BaseControl, AnObstacleThatComesNearerStopsItBetweenTwoImages) {
+  Bench bench = byCamera();
+  bench.obstacle.found = true;
+  bench.obstacle.p_odom = {1.2, 0.0};
+  bench.obstacle.sigma_m = 0.0;
+  bench.run(1.0);
+  ASSERT_FALSE(bench.run(0.1).velocity.isZero());
+  bench.obstacle_on = bench.depth_on = false;
+  Bench standing = bench;
+  bench.obstacle.velocity_mps = {-1.0, 0.0};
+  bench.obstacle.stamp = bench.now;
+  bench.control.setObstacle(bench.obstacle);
+  EXPECT_EQ(bench.run(0.8).reason, Reason::kObstacle);
+  EXPECT_EQ(standing.run(0.8).reason, Reason::kNone) << "the same without its velocity";
+}
+
+TEST(BaseControl, WhatLeftTheViewOfTheCameraStillStopsIt) {
+  Bench bench = byCamera();
+  bench.path_on = bench.depth_on = false;
+  LaserScan scan = depthScan(bench.now);
+  scan.ranges_m[0] = 0.35F;  // 30 degrees to the right: 0.30 m ahead, 0.18 m aside
+  bench.run(0.1);
+  scan.stamp = bench.now;
+  bench.control.setDepthScan(scan);
+  bench.depth_on = true;  // from now on it sees free floor wherever it looks
+  bench.odometry.odom_from_base = {0.0, 0.0, 0.6};
+  bench.run(0.1);
+  bench.odometry.odom_from_base = {0.0, 0.0, -0.52};  // and back: now it is straight ahead, and near
+  const Path2 path{{0.0, 0.0, -0.52}, {3.0 * std::cos(-0.52), 3.0 * std::sin(-0.52), -0.52}};
+  BaseCommand command;
+  for (int i = 0; i < 100; ++i) {
+    bench.control.setPath(path, bench.now);
+    command = bench.step();
+  }
+  EXPECT_LT(command.velocity.v_mps, 0.01);
+  EXPECT_LT(bench.odometry.odom_from_base.position().norm() + 0.12, 0.35);
+}
+
 TEST(BaseControl, OnlyAModesOwnInputsAreRequired) {
   Bench bench(Mode::kManual);
-  bench.local_on = bench.path_on = bench.mission_command_on = false;
+  bench.local_on = bench.path_on = bench.mission_command_on = bench.obstacle_on = bench.depth_on = false;
   EXPECT_FALSE(bench.run(0.5).velocity.isZero());
 }
 
