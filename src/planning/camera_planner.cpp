@@ -69,7 +69,7 @@ CameraPlan CameraPlanner::update(const CameraObservation& observation) {
     return plan;
   }
   memory_.insert(observation.scan, observation.obstacle, plan.robot, p_odom_person_);
-  cost_map_.update(memory_.grid(), memory_.grid().cellOf(plan.robot.position()));
+  cost_map_.update(memory_.grid(), memory_.grid().cellOf(plan.robot.position()), params_.assumed_depth_m);
   plan.moving = memory_.moving();
   plan.gap = gapNode(observation.gap);
   if (observation.obstacle.found) plan.obstacle = observation.obstacle;
@@ -190,11 +190,16 @@ void CameraPlanner::search(const CameraObservation& observation, CameraPlan& pla
   plan.status = CameraPlan::Status::kHalted;
   plan.reason = halt;
   if (isLiteral() && !halt.empty()) return;
-  if (!isLiteral()) cost_map_.prefer(before, params_.same_way_m, params_.switch_gain);
   const ModifiedAStar::Cost cost = costOf(observation);
   const ModifiedAStar::Query query{plan.robot.position(), goal_->position(), plan.gap,
                                    params_.goal_tolerance_m};
-  const ModifiedAStar::Result found = astar_.plan(query, cost);
+  if (!isLiteral()) cost_map_.prefer(before, params_.same_way_m, params_.switch_gain);
+  ModifiedAStar::Result found = astar_.plan(query, cost);
+  if (!isLiteral() && found.status != ModifiedAStar::Result::Status::kFound &&
+      params_.assumed_depth_m > 0.0) {
+    cost_map_.update(memory_.grid(), memory_.grid().cellOf(plan.robot.position()));
+    found = astar_.plan(query, cost);  // perhaps past the far side of what is seen, then
+  }
   if (found.status != ModifiedAStar::Result::Status::kFound) {
     if (halt.empty()) {
       plan.status = CameraPlan::Status::kNoPath;

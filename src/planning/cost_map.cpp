@@ -42,15 +42,25 @@ void CostMap::makeTable() {
   }
 }
 
-void CostMap::update(const RollingGrid& grid, Cell start) {
+void CostMap::update(const RollingGrid& grid, Cell start, double assumed_depth_m) {
   origin_ = grid.origin();
   const int size = weights_.size;
   for (int y = 0; y < size; ++y) {
     grid.copyRow(origin_.y + y, states_.data() + static_cast<std::ptrdiff_t>(y) * size);
   }
   measureClearance();
+  if (assumed_depth_m > 0.0) fillShadows(assumed_depth_m);
   weigh();
   relaxAround(toWindow(start));
+}
+
+void CostMap::fillShadows(double assumed_depth_m) {
+  const double depth = std::min(assumed_depth_m / cell_m_, static_cast<double>(reach_));
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    if (states_[i] == RollingGrid::State::kUnknown && squared_[i] <= depth * depth)
+      states_[i] = RollingGrid::State::kOccupied;
+  }
+  measureClearance();
 }
 
 // The exact Euclidean distance transform, cut off at reach_: along y first, then the best of the neighbouring

@@ -48,15 +48,34 @@ void ObstacleMemory::insert(const LaserScan& scan, const NearestObstacle& obstac
   }
   if (obstacle.found && !isPerson(obstacle.p_odom, robot, p_odom_person) && !isMoving(obstacle.p_odom))
     markNearest(obstacle);
-  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    const Return kind = classify(scan, scan.ranges_m[i]);
-    if (kind != Return::kHit && kind != Return::kFree) continue;
-    const double range_m = kind == Return::kHit ? static_cast<double>(scan.ranges_m[i]) : longest_m;
-    const double sure_m =
-        kind == Return::kHit ? range_m - params_.sigma_m - params_.sigma_share * range_m : range_m;
-    if (sure_m <= 0.0) continue;
-    grid_.clear(robot, endOf(i, std::min(sure_m, longest_m)), true);
+  const std::vector<double> clear_m = clearLengths(scan, longest_m);
+  for (std::size_t i = 0; i < clear_m.size(); ++i) {
+    if (clear_m[i] > 0.0) grid_.clear(robot, endOf(i, clear_m[i]), true);
   }
+}
+
+/// How far each ray shows free space: to a standard deviation before its hit, and no farther than a hit
+/// beside it that is less than a cell away, lest rays that graze an edge wear it off.
+std::vector<double> ObstacleMemory::clearLengths(const LaserScan& scan, double longest_m) const {
+  const std::size_t beams = scan.ranges_m.size();
+  std::vector<double> lengths(beams, 0.0);
+  std::vector<double> sure(beams, longest_m);
+  for (std::size_t i = 0; i < beams; ++i) {
+    const Return kind = classify(scan, scan.ranges_m[i]);
+    if (kind == Return::kHit)
+      sure[i] = scan.ranges_m[i] * (1.0 - params_.sigma_share) - params_.sigma_m;
+    else if (kind == Return::kTooClose)
+      sure[i] = 0.0;
+    if (kind == Return::kHit || kind == Return::kFree) lengths[i] = std::min(sure[i], longest_m);
+  }
+  for (std::size_t i = 0; i < beams; ++i) {
+    if (classify(scan, scan.ranges_m[i]) != Return::kHit) continue;
+    const double spread = params_.grid.cell_m / (scan.ranges_m[i] * std::abs(scan.angle_increment_rad));
+    const auto reach = static_cast<std::size_t>(std::min(spread, static_cast<double>(beams)));
+    const std::size_t last = std::min(i + reach, beams - 1);
+    for (std::size_t k = i - std::min(reach, i); k <= last; ++k) lengths[k] = std::min(lengths[k], sure[i]);
+  }
+  return lengths;
 }
 
 void ObstacleMemory::follow(const LaserScan& scan, const NearestObstacle& obstacle,

@@ -46,12 +46,13 @@ struct ReplanParams {
 struct CameraPlannerParams {
   ModifiedAStarParams astar;
   ObstacleMemoryParams memory;
-  CostMapParams cost{0.05, 0.55, 6.0, 1.5};
+  CostMapParams cost{0.05, 0.55, 6.0, 1.5};  // lethal margin, inflation, clearance weight, unknown weight
   ReplanParams replan;
   RightOfWayParams right_of_way;
   double halt_width_factor = 2.0;
   double width_slack_m = 0.05;
   double no_gap_look_m = 1.5;
+  double assumed_depth_m = 0.40;
   double goal_tolerance_m = 0.25;
   double switch_gain = 0.15;
   double same_way_m = 0.35;
@@ -76,6 +77,11 @@ struct CameraPlannerParams {
     visit("no_gap_look_m", no_gap_look_m,
           Field{"m", "where the image shows no gap, nothing nearer than this may be driven to unseen", 0.0,
                 10.0});
+    visit("assumed_depth_m", assumed_depth_m,
+          Field{"m",
+                "cells never seen this near to an obstacle are taken for its far side, unless there is no "
+                "other way; 0: never",
+                0.0, 2.0});
     visit("goal_tolerance_m", goal_tolerance_m,
           Field{"m",
                 "a goal beside an obstacle is replaced by the nearest reachable place within this; below the "

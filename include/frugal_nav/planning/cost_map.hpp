@@ -50,7 +50,8 @@ class CostMap {
 
   /// Reads the grid anew. Where the start itself is lethally near an obstacle, the cells around it that are
   /// no nearer to one become passable at the highest weight, so that the robot can leave.
-  void update(const RollingGrid& grid, Cell start);
+  /// Cells never seen count as part of an obstacle that is nearer than `assumed_depth_m`: it has a far side.
+  void update(const RollingGrid& grid, Cell start, double assumed_depth_m = 0.0);
 
   /// Makes everything but the surroundings of a path dearer by `surcharge` (0.1: a tenth), so that another
   /// way must be that much shorter to be taken.
@@ -68,6 +69,7 @@ class CostMap {
 
  private:
   void measureClearance();
+  void fillShadows(double assumed_depth_m);
   void makeTable();
   void weigh();
   void relaxAround(Cell window_start);

@@ -69,6 +69,7 @@ class ObstacleMemory {
   bool isMoving(const Eigen::Vector2d& p_odom) const;
   void follow(const LaserScan& scan, const NearestObstacle& obstacle, const Pose2& odom_from_base,
               const std::optional<Eigen::Vector2d>& p_odom_person);
+  std::vector<double> clearLengths(const LaserScan& scan, double longest_m) const;
   void markNearest(const NearestObstacle& obstacle);
 
   ObstacleMemoryParams params_;
