@@ -1,25 +1,11 @@
+#include "node_params.hpp"
+
 #include <optional>
 
 #include <frugal_nav/eval/lidar_stack.hpp>
-#include <frugal_nav/robot/param_file.hpp>
 
 namespace frugal_nav::eval {
 namespace {
-
-/// The part of a node's parameter file that a params struct names: the rest is the node class's (frames,
-/// waits).
-template <class Params>
-Params loadPart(const std::string& path) {
-  Params params;
-  const ParamTree file = readParamFile(path);
-  ParamTree part;
-  for (const FieldDescription& field : describe(params)) {
-    const auto found = file.find(field.name);
-    if (found != file.end()) part.insert(*found);
-  }
-  assign(part, path, params);
-  return params;
-}
 
 BodyExtent extentOf(const RobotModel& robot) { return {robot.halfWidth_m(), robot.circumradius_m()}; }
 
@@ -27,11 +13,11 @@ BodyExtent extentOf(const RobotModel& robot) { return {robot.halfWidth_m(), robo
 
 LidarStackParams loadLidarStack(const std::string& config_dir) {
   LidarStackParams params;
-  params.odometry = loadPart<WheelOdometryParams>(config_dir + "/wheel_odometry.yaml");
-  params.planner = loadPart<LidarPlannerParams>(config_dir + "/planner.yaml");
-  params.avoidance = loadPart<LidarAvoidanceParams>(config_dir + "/lidar_avoidance.yaml");
-  params.mission = loadPart<MissionParams>(config_dir + "/mission.yaml");
-  params.base = loadPart<BaseControlParams>(config_dir + "/base_controller.yaml");
+  params.odometry = loadPart<WheelOdometryParams>({config_dir + "/wheel_odometry.yaml"});
+  params.planner = loadPart<LidarPlannerParams>({config_dir + "/planner.yaml"});
+  params.avoidance = loadPart<LidarAvoidanceParams>({config_dir + "/lidar_avoidance.yaml"});
+  params.mission = loadPart<MissionParams>({config_dir + "/mission.yaml"});
+  params.base = loadPart<BaseControlParams>({config_dir + "/base_controller.yaml"});
   return params;
 }
 

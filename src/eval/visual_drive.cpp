@@ -52,6 +52,10 @@ class LegDriver {
   bool is_turning_ = false;
 };
 
+double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+}  // namespace
+
 Pinhole pinholeOf(const sim::Camera& camera) {
   const cv::Matx33d k = camera.cameraMatrix();
   const cv::Vec<double, 5> d = camera.distortion();
@@ -67,10 +71,6 @@ Pinhole pinholeOf(const sim::Camera& camera) {
           d[3],
           d[4]};
 }
-
-double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-}  // namespace
 
 DriveRecording recordDrive(const sim::Scene& scene, const RobotModel& robot, sim::SimulatorParams params,
                            std::uint64_t seed, const Pose2& world_from_start,

@@ -14,6 +14,9 @@
 
 namespace frugal_nav::eval {
 
+/// A simulated camera's calibration.
+Pinhole pinholeOf(const sim::Camera& camera);
+
 /// One piece of a drive: straight ahead, then a turn on the spot.
 struct DriveLeg {
   double length_m = 0.0;

@@ -1,0 +1,213 @@
+#include "node_params.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include <frugal_nav/eval/camera_stack.hpp>
+#include <frugal_nav/robot/param_file.hpp>
+
+namespace frugal_nav::eval {
+namespace {
+
+constexpr double kPeriods = 2.5;  // of the pipeline, that its results may be old
+
+double milliseconds() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration<double, std::milli>(now).count();
+}
+
+std::unique_ptr<Detector> orDetector(std::unique_ptr<Detector> given, const CameraStackParams& params) {
+  if (given) return given;
+  return std::make_unique<YoloDetector>(params.detector, params.models_dir);
+}
+
+std::unique_ptr<DepthNetwork> orNetwork(std::unique_ptr<DepthNetwork> given,
+                                        const CameraStackParams& params) {
+  if (given) return given;
+  return std::make_unique<OnnxDepthNetwork>(params.network, params.models_dir);
+}
+
+/// The box of the sighting that the goal was seen by: the nearest sound one.
+cv::Rect2d boxOf(const GoalFrame& frame, const Pose2& odom_from_base) {
+  cv::Rect2d box;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
+    if (frame.sightings[i].status != HeadSighting::Status::kGood) continue;
+    const double off_m = (odom_from_base * frame.sightings[i].p_base - frame.goal->p_odom).norm();
+    if (off_m >= nearest_m) continue;
+    nearest_m = off_m;
+    box = frame.detections[i].box;
+  }
+  return box;
+}
+
+std::optional<KnownGoal> knownGoal(const GoalFrame& frame, const Pose2& odom_from_base) {
+  if (!frame.goal) return std::nullopt;
+  KnownGoal goal;
+  goal.p_odom = frame.goal->p_odom;
+  goal.covariance_m2 = frame.goal->covariance_m2;
+  goal.above_floor_m = frame.goal->above_floor_m;
+  goal.seen = frame.state == GoalTracker::State::kSeen;
+  if (goal.seen) goal.box_px = boxOf(frame, odom_from_base);
+  return goal;
+}
+
+/// The points where the wheels' odom has them: as they lie before the camera, whatever the visual pose.
+std::vector<MetricPoint> metricPoints(const VisualOdometryOutput& visual,
+                                      const Eigen::Isometry3d& odom_from_optical) {
+  std::vector<MetricPoint> points;
+  if (!visual.is_metric) return points;
+  for (const VisualPoint& point : visual.points)
+    points.push_back({{static_cast<float>(point.pixel.x()), static_cast<float>(point.pixel.y())},
+                      odom_from_optical * point.p_camera,
+                      point.sigma_m});
+  return points;
+}
+
+std::optional<cv::Rect> regionOf(const std::optional<NearestObstacle>& obstacle) {
+  if (!obstacle || !obstacle->found || obstacle->width_px <= 0 || obstacle->height_px <= 0)
+    return std::nullopt;
+  return cv::Rect(obstacle->left_px, obstacle->top_px, obstacle->width_px, obstacle->height_px);
+}
+
+}  // namespace
+
+CameraStackParams loadCameraStack(const std::string& share_dir) {
+  const std::string config = share_dir + "/config/";
+  CameraStackParams params;
+  params.models_dir = share_dir + "/models";
+  params.detector = loadParamFile<YoloParams>(config + "models/heads.yaml");
+  params.network = loadParamFile<DepthNetworkParams>(config + "models/depth_small.yaml");
+  params.odometry = loadPart<WheelOdometryParams>({config + "wheel_odometry.yaml"});
+  params.mission = loadPart<MissionParams>({config + "mission.yaml"});
+  params.base =
+      loadPart<BaseControlParams>({config + "base_controller.yaml"});
+  params.mission.drive_mode = "camera";
+  params.base.require_scan = false;
+  params.base.path.slow_from_rad = 0.25;
+  params.base.path.stop_from_rad = 0.6;
+  return params;
+}
+
+void adapt(CameraStackParams& params, double speed_mps, double rate_hz) {
+  const double oldest_s = kPeriods / rate_hz;
+  BaseTimeouts& timeouts = params.base.timeouts;
+  for (double* timeout_s : {&timeouts.path_s})
+    *timeout_s = std::max(*timeout_s, oldest_s);
+  params.mission.input_timeout_s = std::max(params.mission.input_timeout_s, oldest_s);
+  params.base.path.cruise_mps = speed_mps;
+  params.planner.right_of_way.cruise_mps = speed_mps;
+  params.base.limits.max_v_mps = speed_mps;
+  params.base.limits.creep_mps = std::min(params.base.limits.creep_mps, speed_mps);
+}
+
+CameraStack::CameraStack(const CameraStackParams& params, const RobotModel& robot, const Pinhole& camera,
+                         Duration latency, std::unique_ptr<Detector> detector,
+                         std::unique_ptr<DepthNetwork> network)
+    : camera_(camera),
+      base_from_optical_(robot.baseFrom("camera_optical_frame")),
+      latency_(latency),
+      wheels_(params.odometry, {robot.drive.radius_m, robot.drive.separation_m}),
+      finder_(orDetector(std::move(detector), params), params.range, params.tracker),
+      visual_(params.visual, camera, base_from_optical_),
+      depth_(orNetwork(std::move(network), params), params.depth),
+      planner_(params.planner, {robot.halfWidth_m(), robot.circumradius_m()}),
+      mission_(params.mission),
+      base_(params.base, {robot.footprint, robot.drive.separation_m}) {}
+
+void CameraStack::addImage(Stamp stamp, const cv::Mat& bgr) { pictures_.push_back({stamp, bgr}); }
+
+BaseCommand CameraStack::addTicks(Stamp stamp, std::int64_t left, std::int64_t right) {
+  if (const auto odometry = wheels_.addTicks(stamp, left, right)) {
+    odometry_ = *odometry;
+    buffer_.add(odometry_);
+    base_.setOdometry(odometry_);
+    const MissionOutput output = mission_.update(odometry_);
+    base_.setMission(output.status);
+    if (output.command) base_.setMissionCommand(*output.command, output.status.stamp);
+  }
+  command_ = base_.cycle(stamp);
+  while (!pictures_.empty() && buffer_.covers(pictures_.front().stamp)) {
+    pending_.push_back(look(pictures_.front()));
+    pictures_.pop_front();
+  }
+  while (!pending_.empty() && pending_.front().stamp + latency_ <= stamp) {
+    takeEffect(std::move(pending_.front()));
+    pending_.pop_front();
+    command_ = base_.cycle(stamp);
+  }
+  return command_;
+}
+
+CameraResult CameraStack::look(const Picture& picture) {
+  CameraResult result;
+  result.stamp = picture.stamp;
+  result.bgr = picture.bgr;
+  result.odom_from_base = buffer_.at(picture.stamp)->odom_from_base;
+  const double begin_ms = milliseconds();
+  result.goal =
+      finder_.look({picture.stamp, picture.bgr, camera_, base_from_optical_, result.odom_from_base});
+  const double found_ms = milliseconds();
+  VisualInput input;
+  input.stamp = picture.stamp;
+  input.image = picture.bgr;
+  input.odom_from_base = toIsometry(result.odom_from_base);
+  input.region = regionOf(nearest_);
+  result.visual = visual_.process(input);
+  const double visual_ms = milliseconds();
+  DepthView view;
+  view.stamp = picture.stamp;
+  view.bgr = picture.bgr;
+  view.camera = camera_;
+  view.base_from_optical = base_from_optical_;
+  view.odom_from_base = result.odom_from_base;
+  view.points = metricPoints(result.visual, toIsometry(result.odom_from_base) * base_from_optical_);
+  view.goal = knownGoal(result.goal, result.odom_from_base);
+  result.depth = depth_.look(view);
+  nearest_ = result.depth.obstacle;
+  times_.detector_ms = found_ms - begin_ms;
+  times_.visual_ms = visual_ms - found_ms;
+  times_.depth_ms = milliseconds() - visual_ms;
+  return result;
+}
+
+void CameraStack::observe(const Eigen::Vector2d& p_odom, Stamp stamp) {
+  if (person_) return;
+  person_ = p_odom;
+  const Eigen::Vector2d line = p_odom - odometry_.odom_from_base.position();
+  const Eigen::Vector2d goal = p_odom - 0.8 * line.normalized();
+  mission_.setGoal({goal.x(), goal.y(), std::atan2(line.y(), line.x())}, stamp);
+}
+
+void CameraStack::passGoal() {
+  const MissionPhase phase = mission_.status().phase;
+  const bool active = phase == MissionPhase::kDriving || phase == MissionPhase::kRecovering;
+  if (!active) {
+    planner_.setGoal(std::nullopt);
+    return;
+  }
+  planner_.setGoal(mission_.goal(), person_);
+}
+
+void CameraStack::takeEffect(CameraResult result) {
+  const double begin_ms = milliseconds();
+  if (result.goal.goal && result.goal.state == GoalTracker::State::kSeen)
+    observe(result.goal.goal->p_odom, result.stamp);
+  passGoal();
+  CameraObservation observation;
+  observation.stamp = result.stamp;
+  observation.gap = result.depth.gap;
+  observation.obstacle = result.depth.obstacle;
+  observation.scan = result.depth.scan;
+  observation.odometry = *buffer_.at(result.stamp);
+  observation.fault = result.depth.fault;
+  result.plan = planner_.update(observation);
+  mission_.setPath(result.plan.path, result.plan.stamp, result.plan.reason);
+  base_.setPath(result.plan.path, result.plan.stamp);
+  times_.plan_ms = milliseconds() - begin_ms;
+  last_ = std::move(result);
+}
+
+}  // namespace frugal_nav::eval
