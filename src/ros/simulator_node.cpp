@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -44,15 +45,31 @@ bool SimulatorNodeParams::waitsFor(const std::string& sensor) const {
          std::find(lockstep_sensors.begin(), lockstep_sensors.end(), sensor) != lockstep_sensors.end();
 }
 
+double SimulatorNodeParams::imageRate_hz() const {
+  return simulator.sensors.rgbd ? simulator.rgbd.color.rate_hz : simulator.camera.rate_hz;
+}
+
 std::string SimulatorNodeParams::check() const {
   if (world.empty()) return "world is not set: name a .world file";
+  const sim::SensorSwitches& on = simulator.sensors;
   bool waits = false;
   for (const std::string& sensor : lockstep_sensors) {
-    if (sensor != "wheel_ticks" && sensor != "scan")
-      return "lockstep_sensors: \"" + sensor + "\" is none of wheel_ticks, scan";
-    waits = waits || (sensor == "scan" ? simulator.sensors.scan : simulator.sensors.wheel_ticks);
+    if (sensor == "wheel_ticks") {
+      waits = waits || on.wheel_ticks;
+    } else if (sensor == "scan") {
+      waits = waits || on.scan;
+    } else if (sensor == "camera") {
+      waits = waits || on.camera || on.rgbd;
+    } else {
+      return "lockstep_sensors: \"" + sensor + "\" is none of wheel_ticks, scan, camera";
+    }
   }
-  return lockstep && !waits ? "lockstep needs one of lockstep_sensors to be switched on" : "";
+  if (lockstep && !waits) return "lockstep needs one of lockstep_sensors to be switched on";
+  const double ticks_an_image = simulator.encoders.rate_hz / imageRate_hz();
+  if (waitsFor("camera") && std::abs(ticks_an_image - std::round(ticks_an_image)) > 1e-6)
+    return "lock-step on the camera needs its rate to divide that of the encoders: the graph waits for the "
+           "odometry of an image's stamp";
+  return "";
 }
 
 SimulatorNode::SimulatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
@@ -147,12 +164,14 @@ bool SimulatorNode::graphIsConnected() {
   const sim::SensorSwitches& on = params_.simulator.sensors;
   const bool ticks_heard = !on.wheel_ticks || ticks_publisher_.getNumSubscribers() > 0;
   const bool scan_heard = !on.scan || scan_publisher_.getNumSubscribers() > 0;
-  is_connected_ = ticks_heard && scan_heard && command_subscriber_.getNumPublishers() > 0;
+  const bool camera_heard = !params_.waitsFor("camera") || image_publisher_.getNumSubscribers() > 0;
+  is_connected_ = ticks_heard && scan_heard && camera_heard && command_subscriber_.getNumPublishers() > 0;
   if (!is_connected_ && (ros::WallTime::now() - start_).toSec() > params_.lockstep_start_wait_s) {
     ROS_WARN("lock-step: no %s after %.0f s; starting the clock without",
-             !ticks_heard  ? "subscriber of wheel_ticks"
-             : !scan_heard ? "subscriber of scan"
-                           : "publisher of cmd_vel_stamped",
+             !ticks_heard    ? "subscriber of wheel_ticks"
+             : !scan_heard   ? "subscriber of scan"
+             : !camera_heard ? "subscriber of camera/image_raw"
+                             : "publisher of cmd_vel_stamped",
              params_.lockstep_start_wait_s);
     is_connected_ = true;
   }
@@ -188,13 +207,16 @@ void SimulatorNode::publish(const sim::SimOutput& output) {
   publishContacts(output);
   if (isMultiple(output.stamp, kTruthPeriod)) truth_publisher_.publish(toRos(simulator_->groundTruth()));
   if (output.imu) imu_publisher_.publish(toRos(*output.imu, params_.simulator.imu));
-  publishImages(output);
+  if (!params_.waitsFor("camera")) publishImages(output);
   if (output.ticks) {
     publishAndWait("wheel_ticks", output.stamp, [&] { ticks_publisher_.publish(toRos(*output.ticks)); });
   }
   if (output.scan) {
     publishAndWait("scan", output.stamp,
                    [&] { scan_publisher_.publish(toRos(*output.scan, simulator_->scanPeriod())); });
+  }
+  if (params_.waitsFor("camera") && (output.image || output.rgbd)) {
+    publishAndWait("camera", output.stamp, [&] { publishImages(output); });
   }
   if (isMultiple(output.stamp, std::chrono::seconds(1))) report();
 }

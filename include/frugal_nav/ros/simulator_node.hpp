@@ -60,7 +60,7 @@ struct SimulatorNodeParams {
                 "wait for the command to each sensor message (cmd_vel_stamped), so that a slow machine gives "
                 "the same run as a fast one"});
     visit("lockstep_sensors", lockstep_sensors,
-          Field{"", "the sensors whose command is waited for, of wheel_ticks and scan"});
+          Field{"", "the sensors whose command is waited for, of wheel_ticks, scan and camera"});
     visit(
         "lockstep_wait_s", lockstep_wait_s,
         Field{"s", "longest wait for a command, in wall time; then it is missed, and counted", 0.01, 600.0});
@@ -74,6 +74,8 @@ struct SimulatorNodeParams {
   std::string check() const;
   /// Whether the command to a sensor's message is waited for.
   bool waitsFor(const std::string& sensor) const;
+  /// Images a second: of the RGB-D camera where it stands in for the colour one.
+  double imageRate_hz() const;
 
  private:
   static sim::SimulatorParams withCamera();
