@@ -94,7 +94,7 @@ CameraStackParams loadCameraStack(const std::string& share_dir) {
 void adapt(CameraStackParams& params, double speed_mps, double rate_hz) {
   const double oldest_s = kPeriods / rate_hz;
   BaseTimeouts& timeouts = params.base.timeouts;
-  for (double* timeout_s : {&timeouts.path_s})
+  for (double* timeout_s : {&timeouts.path_s, &timeouts.obstacle_s, &timeouts.depth_scan_s})
     *timeout_s = std::max(*timeout_s, oldest_s);
   params.mission.input_timeout_s = std::max(params.mission.input_timeout_s, oldest_s);
   params.base.path.cruise_mps = speed_mps;
@@ -205,6 +205,8 @@ void CameraStack::takeEffect(CameraResult result) {
   observation.fault = result.depth.fault;
   result.plan = planner_.update(observation);
   mission_.setPath(result.plan.path, result.plan.stamp, result.plan.reason);
+  base_.setObstacle(result.depth.obstacle);
+  base_.setDepthScan(result.depth.scan);
   base_.setPath(result.plan.path, result.plan.stamp);
   times_.plan_ms = milliseconds() - begin_ms;
   last_ = std::move(result);
