@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include <frugal_nav/common/laser_scan.hpp>
 
@@ -21,6 +22,27 @@ std::optional<std::string> findFault(const LaserScan& scan) {
   });
   if (!any_known) return "every range is NaN or beyond range_max";
   return std::nullopt;
+}
+
+std::optional<std::string> findFault(const LaserScan& scan, const ScanRules& rules) {
+  if (const auto fault = findFault(scan)) return fault;
+  const auto counts = [&](float range) {
+    const Return kind = classify(scan, range);
+    return kind == Return::kHit || kind == Return::kTooClose;
+  };
+  if (rules.require_return && std::none_of(scan.ranges_m.begin(), scan.ranges_m.end(), counts)) {
+    return "it has no return at all: the laser is covered, or the place larger than its range (then set "
+           "scan/require_return to false)";
+  }
+  return std::nullopt;
+}
+
+LaserScan readBy(const ScanRules& rules, LaserScan scan) {
+  if (rules.inf_is_free) return scan;
+  for (float& range : scan.ranges_m) {
+    if (classify(scan, range) == Return::kFree) range = std::numeric_limits<float>::quiet_NaN();
+  }
+  return scan;
 }
 
 std::vector<Eigen::Vector2d> obstaclePoints(const LaserScan& scan, const Pose2& base_from_laser) {

@@ -76,6 +76,7 @@ bool BaseControl::accept(const std::string& input, Stamp stamp, const std::optio
 }
 
 void BaseControl::refuse(const std::string& input, const std::string& why) {
+  if (input == "scan") has_scanner_ = true;  // there is one, though nobody can tell what it sees
   refused_[input] = input + " is refused: " + why;
   ++refused_counts_[input];
 }
@@ -100,9 +101,10 @@ bool BaseControl::setOdometry(const Odometry& odometry) {
   return true;
 }
 
-bool BaseControl::setScan(const LaserScan& scan, const Pose2& base_from_laser) {
+bool BaseControl::setScan(const LaserScan& as_sent, const Pose2& base_from_laser) {
   has_scanner_ = true;
-  if (!accept("scan", scan.stamp, findFault(scan))) return false;
+  const LaserScan scan = readBy(params_.scan, as_sent);
+  if (!accept("scan", scan.stamp, findFault(scan, params_.scan))) return false;
   scan_stamp_ = scan.stamp;
   p_base_at_scan_.clear();
   for (const Eigen::Vector2d& p : obstaclePoints(scan, base_from_laser)) {

@@ -34,7 +34,7 @@ BaseControllerNode::BaseControllerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
     : params_(loadParams(pnh)),
       control_(params_.control, loadGeometry(pnh)),
       diagnostics_(nh, pnh),
-      tf_listener_(std::make_unique<tf2_ros::TransformListener>(tf_buffer_)) {
+      sensors_(params_.base_frame) {
   cmd_vel_pub_ = nh.advertise<geometry_msgs::Twist>("cmd_vel", 10);
   cmd_vel_stamped_pub_ = nh.advertise<geometry_msgs::TwistStamped>("cmd_vel_stamped", 10);
   // Small messages in a control loop: Nagle's algorithm would hold them back for tens of milliseconds.
@@ -99,11 +99,12 @@ void BaseControllerNode::onOdometry(const nav_msgs::Odometry& msg) {
 
 void BaseControllerNode::onScan(const sensor_msgs::LaserScan& msg) {
   scan_stamp_ = toStamp(msg.header.stamp);
-  if (const std::optional<Pose2> base_from_laser = baseFromLaser(msg.header.frame_id)) {
+  const std::variant<Pose2, std::string> laser = sensors_.laser(msg.header.frame_id);
+  if (const auto* base_from_laser = std::get_if<Pose2>(&laser)) {
     note("scan", control_.setScan(fromRos(msg), *base_from_laser), scan_stamp_);
   } else {
-    diagnostics_.input("scan").dropped("no transform from \"" + msg.header.frame_id + "\" to \"" +
-                                       params_.base_frame + "\"");
+    control_.refuse("scan", std::get<std::string>(laser));
+    note("scan", false, scan_stamp_);
   }
   cycleWhenReady();
 }
@@ -239,28 +240,6 @@ void BaseControllerNode::report(const BaseCommand& command) {
   diagnostics_.set("source", nameOf(command.source));
   diagnostics_.set("collision stop leaves", command.guard_share);
   diagnostics_.set("time jumps", static_cast<double>(control_.timeJumps()));
-}
-
-std::optional<Pose2> BaseControllerNode::baseFromLaser(const std::string& frame) {
-  const auto known = base_from_laser_.find(frame);
-  if (known != base_from_laser_.end()) return known->second;
-  if (!tf_listener_) tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_buffer_);
-  try {
-    const auto transform = tf_buffer_.lookupTransform(params_.base_frame, frame, ros::Time(0)).transform;
-    const geometry_msgs::Quaternion& q = transform.rotation;
-    if (1.0 - 2.0 * (q.x * q.x + q.y * q.y) < 0.99) {  // cosine between the two z axes
-      ROS_ERROR_THROTTLE(5.0, "the laser \"%s\" is not mounted level with z up: its scans are not used",
-                         frame.c_str());
-      return std::nullopt;
-    }
-    const Pose2 pose{transform.translation.x, transform.translation.y, yawOf(q).value_or(0.0)};
-    base_from_laser_[frame] = pose;
-    tf_listener_.reset();  // it is static: no need to hear every transform of the robot
-    return pose;
-  } catch (const tf2::TransformException& error) {
-    ROS_WARN_THROTTLE(1.0, "scans in frame \"%s\" cannot be used: %s", frame.c_str(), error.what());
-    return std::nullopt;
-  }
 }
 
 }  // namespace frugal_nav

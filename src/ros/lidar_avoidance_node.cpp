@@ -24,7 +24,7 @@ LidarAvoidanceNode::LidarAvoidanceNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   command_pub_ = nh.advertise<LocalCommand>("avoidance/command", 5);
   markers_pub_ = nh.advertise<visualization_msgs::MarkerArray>("avoidance/markers", 1);
   intake_ = std::make_unique<ScanIntake>(
-      nh, params_.intake, diagnostics_,
+      nh, params_.intake, params_.scan, diagnostics_,
       ScanIntake::Callbacks{[this](const PosedScan& posed) { return hasPathFor(posed); },
                             [this](const PosedScan& posed) { process(posed); },
                             [this] { avoidance_.reset(); }});

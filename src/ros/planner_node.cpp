@@ -26,7 +26,7 @@ PlannerNode::PlannerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   grid_pub_ = nh.advertise<nav_msgs::OccupancyGrid>("grid", 1);
   markers_pub_ = nh.advertise<visualization_msgs::MarkerArray>("planner/markers", 1);
   intake_ =
-      std::make_unique<ScanIntake>(nh, params_.intake, diagnostics_,
+      std::make_unique<ScanIntake>(nh, params_.intake, params_.scan, diagnostics_,
                                    ScanIntake::Callbacks{[](const PosedScan&) { return true; },
                                                          [this](const PosedScan& posed) { process(posed); },
                                                          [this] {

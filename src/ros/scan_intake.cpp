@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include <frugal_nav/ros/conversions.hpp>
 #include <frugal_nav/ros/scan_intake.hpp>
@@ -10,23 +9,16 @@ namespace {
 constexpr double kCheckPeriod_s = 0.05;
 constexpr std::size_t kMostPending = 10;  // a second of scans: then the oldest is given up
 
-/// The pose of a level laser on the floor plane; nothing when it is not mounted level.
-std::optional<Pose2> levelPose(const Eigen::Isometry3d& base_from_laser) {
-  const Eigen::Matrix3d& turn = base_from_laser.linear();
-  if (turn(2, 2) < 0.99) return std::nullopt;
-  return Pose2{base_from_laser.translation().x(), base_from_laser.translation().y(),
-               std::atan2(turn(1, 0), turn(0, 0))};
-}
-
 bool isUnderway(MissionPhase phase) {
   return phase == MissionPhase::kDriving || phase == MissionPhase::kRecovering;
 }
 
 }  // namespace
 
-ScanIntake::ScanIntake(ros::NodeHandle nh, const IntakeParams& params, NodeDiagnostics& diagnostics,
-                       Callbacks callbacks)
+ScanIntake::ScanIntake(ros::NodeHandle nh, const IntakeParams& params, const ScanRules& rules,
+                       NodeDiagnostics& diagnostics, Callbacks callbacks)
     : params_(params),
+      rules_(rules),
       diagnostics_(diagnostics),
       callbacks_(std::move(callbacks)),
       time_([this](Stamp now) { forget(now); }),
@@ -50,10 +42,10 @@ void ScanIntake::onScan(const sensor_msgs::LaserScan& msg) {
   last_scan_ = stamp;
   diagnostics_.input("scan").received(stamp, toStamp(ros::Time::now()));
   Pending pending;
-  pending.posed.scan = fromRos(msg);
+  pending.posed.scan = readBy(rules_, fromRos(msg));
   pending.posed.frame = msg.header.frame_id;
   pending.since = ros::Time::now();
-  if (const auto fault = findFault(pending.posed.scan)) {
+  if (const auto fault = findFault(pending.posed.scan, rules_)) {
     pending.posed.fault = *fault;
     diagnostics_.input("scan").refused(*fault);
   }
@@ -128,13 +120,12 @@ void ScanIntake::process() {
 bool ScanIntake::complete(Pending& pending) {
   PosedScan& posed = pending.posed;
   if (!posed.fault.empty()) return true;
-  const std::optional<Pose2> laser = laserPose(posed.frame);
-  if (!laser) {
-    diagnostics_.input("scan").dropped(posed.fault =
-                                           "no transform from " + params_.base_frame + " to " + posed.frame);
+  const std::variant<Pose2, std::string> laser = sensors_.laser(posed.frame);
+  if (const auto* fault = std::get_if<std::string>(&laser)) {
+    diagnostics_.input("scan").dropped(posed.fault = *fault);
     return true;
   }
-  posed.base_from_laser = *laser;
+  posed.base_from_laser = std::get<Pose2>(laser);
   pending.since = std::min(pending.since, ros::Time::now());  // which may have jumped back
   const OdometryIntake::Answer answer = odometry_.at("scan", posed.scan.stamp, waited_s());
   if (answer.odometry) {
@@ -145,17 +136,6 @@ bool ScanIntake::complete(Pending& pending) {
   posed.fault = answer.fault;
   diagnostics_.input("scan").dropped(posed.fault);
   return true;
-}
-
-std::optional<Pose2> ScanIntake::laserPose(const std::string& frame) {
-  const std::optional<Eigen::Isometry3d> pose = sensors_.baseFrom(frame);
-  if (!pose) return std::nullopt;
-  const std::optional<Pose2> level = levelPose(*pose);
-  if (!level) {
-    ROS_ERROR_THROTTLE(5.0, "laser frame \"%s\" is not level in \"%s\": its scans are not used",
-                       frame.c_str(), params_.base_frame.c_str());
-  }
-  return level;
 }
 
 }  // namespace frugal_nav

@@ -1,5 +1,8 @@
+#include <cmath>
+
 #include <ros/console.h>
 
+#include <frugal_nav/ros/conversions.hpp>
 #include <frugal_nav/ros/sensor_poses.hpp>
 
 namespace frugal_nav {
@@ -24,8 +27,14 @@ std::optional<Eigen::Isometry3d> SensorPoses::baseFrom(const std::string& sensor
   if (known != known_.end()) return known->second;
   if (!listener_) listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
   try {
-    const Eigen::Isometry3d pose =
-        fromRos(buffer_.lookupTransform(base_frame_, sensor_frame, ros::Time(0)).transform);
+    const geometry_msgs::Transform transform =
+        buffer_.lookupTransform(base_frame_, sensor_frame, ros::Time(0)).transform;
+    if (!yawOf(transform.rotation)) {
+      ROS_ERROR_THROTTLE(5.0, "the transform from %s to %s has no sound quaternion", base_frame_.c_str(),
+                         sensor_frame.c_str());
+      return std::nullopt;
+    }
+    const Eigen::Isometry3d pose = fromRos(transform);
     known_[sensor_frame] = pose;
     listener_.reset();
     return pose;
@@ -34,6 +43,17 @@ std::optional<Eigen::Isometry3d> SensorPoses::baseFrom(const std::string& sensor
                       error.what());
     return std::nullopt;
   }
+}
+
+std::variant<Pose2, std::string> SensorPoses::laser(const std::string& laser_frame) {
+  constexpr double kLevel = 0.99;  // cosine between the two z axes: eight degrees
+  const std::optional<Eigen::Isometry3d> pose = baseFrom(laser_frame);
+  if (!pose) return "no transform from " + base_frame_ + " to " + laser_frame;
+  const Eigen::Matrix3d& turn = pose->linear();
+  if (!(turn(2, 2) > kLevel)) {
+    return "the laser \"" + laser_frame + "\" is not mounted level with z up in \"" + base_frame_ + "\"";
+  }
+  return Pose2{pose->translation().x(), pose->translation().y(), std::atan2(turn(1, 0), turn(0, 0))};
 }
 
 }  // namespace frugal_nav

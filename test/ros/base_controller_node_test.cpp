@@ -72,6 +72,7 @@ class Graph {
     scan_msg.range_min = 0.15F;
     scan_msg.range_max = 12.0F;
     scan_msg.ranges.assign(360, std::numeric_limits<float>::infinity());
+    scan_msg.ranges[90] = 11.0F;  // a wall far to the right: a laser that sees nothing at all is no laser
     obstacle_msg.header.frame_id = "odom";
     depth_msg = scan_msg;
     depth_msg.header.frame_id = "base_link";
@@ -363,11 +364,37 @@ TEST_F(BaseControllerNodeTest, AnObstacleAheadStopsIt) {
   EXPECT_TRUE(graph_->becomesZero());
 }
 
-TEST_F(BaseControllerNodeTest, AScanInAnUnknownFrameIsNoScan) {
+TEST_F(BaseControllerNodeTest, AScanInAnUnknownFrameStopsItAtOnce) {
   ASSERT_NO_FATAL_FAILURE(driveIn(MissionState::MODE_LIDAR));
   graph_->scan_msg.header.frame_id = "nowhere";
-  ASSERT_NO_FATAL_FAILURE(graph_->steps(11));  // 0.55 s
+  ASSERT_NO_FATAL_FAILURE(graph_->steps(2));  // not only by its time-out, 0.5 s later
   EXPECT_TRUE(graph_->becomesZero());
+}
+
+TEST_F(BaseControllerNodeTest, ALaserThatIsNotLevelStopsIt) {
+  geometry_msgs::TransformStamped tilted;
+  tilted.header.frame_id = "base_link";
+  tilted.child_frame_id = "tilted";
+  tilted.transform.rotation.x = std::sin(0.3);
+  tilted.transform.rotation.w = std::cos(0.3);
+  graph_->transforms.sendTransform(tilted);
+  test::Recorder<diagnostic_msgs::DiagnosticArray> diagnostics(nh_, "/diagnostics");
+  ASSERT_NO_FATAL_FAILURE(driveIn(MissionState::MODE_LIDAR));
+  graph_->scan_msg.header.frame_id = "tilted";
+  ASSERT_NO_FATAL_FAILURE(graph_->steps(2));
+  EXPECT_TRUE(graph_->becomesZero());
+  const auto named = [&] {
+    graph_->step();
+    for (const auto& array : diagnostics.messages) {
+      for (const auto& status : array.status) {
+        for (const auto& value : status.values) {
+          if (value.value.find("not mounted level") != std::string::npos) return true;
+        }
+      }
+    }
+    return false;
+  };
+  EXPECT_TRUE(waitUntil(named));
 }
 
 // What the simulator's lock-step relies on: at a standing clock each of the two triggers gives one command.

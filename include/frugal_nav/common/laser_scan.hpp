@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <frugal_nav/common/geometry.hpp>
+#include <frugal_nav/common/params.hpp>
 #include <frugal_nav/common/time.hpp>
 
 namespace frugal_nav {
@@ -41,8 +42,33 @@ inline Return classify(const LaserScan& scan, float range_m) {
   return Return::kHit;
 }
 
+/// What a scanner's +inf means, which REP-117 defines and not every driver means.
+struct ScanRules {
+  bool inf_is_free = true;
+  bool require_return = true;
+
+  template <class Visitor>
+  void fields(Visitor&& visit) {
+    visit(
+        "inf_is_free", inf_is_free,
+        Field{"",
+              "+inf is a free beam, as REP-117 says; false where the driver sends it for failed echoes too, "
+              "from black or slanted surfaces: then it says nothing"});
+    visit(
+        "require_return", require_return,
+        Field{"",
+              "a scan without a single return is no scan: so a covered or dead laser reads. false for halls "
+              "larger than its range"});
+  }
+};
+
 /// Why a scan cannot be used (empty, wrong increments, NaN only, ...); nullopt for a sound one.
 std::optional<std::string> findFault(const LaserScan& scan);
+/// The same, and what the rules forbid.
+std::optional<std::string> findFault(const LaserScan& scan, const ScanRules& rules);
+
+/// The scan as it is to be read by the rules: +inf becomes NaN where it says nothing.
+LaserScan readBy(const ScanRules& rules, LaserScan scan);
 
 /// The hits and too-close returns of a scan as points in the base's frame [m]; too-close ones lie at
 /// range_min.

@@ -75,6 +75,7 @@ struct BaseControlParams {
   bool require_scan_in_manual = true;
   double blind_mps = 0.10;
   double future_tolerance_s = 0.5;
+  ScanRules scan;
   BaseTimeouts timeouts;
   PlausibleCommands plausible;
   VelocityLimits limits;
@@ -98,6 +99,7 @@ struct BaseControlParams {
                 0.0, 5.0});
     visit("future_tolerance_s", future_tolerance_s,
           Field{"s", "an input stamped later than this after now is a fault: clocks differ", 0.0, 10.0});
+    visit("scan", scan);
     visit("timeouts", timeouts);
     visit("plausible", plausible);
     visit("limits", limits);
@@ -148,7 +150,7 @@ class BaseControl {
   // Each gives false when it refuses the input; refusal() then says why.
   bool setMission(const MissionStatus& status);
   bool setOdometry(const Odometry& odometry);
-  bool setScan(const LaserScan& scan, const Pose2& base_from_laser);
+  bool setScan(const LaserScan& as_sent, const Pose2& base_from_laser);
   bool setLocalCommand(const MotionCommand& command);
   /// A path in odom, for mode camera; stamped with the image it rests on.
   bool setPath(const Path2& path, Stamp stamp);

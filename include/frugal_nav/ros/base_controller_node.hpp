@@ -1,17 +1,15 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <geometry_msgs/TwistStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
-#include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 
 #include <frugal_nav/LocalCommand.h>
 #include <frugal_nav/MissionState.h>
@@ -20,6 +18,7 @@
 #include <frugal_nav/ros/base_controller_params.hpp>
 #include <frugal_nav/ros/diagnostics.hpp>
 #include <frugal_nav/ros/live_parameters.hpp>
+#include <frugal_nav/ros/sensor_poses.hpp>
 
 namespace frugal_nav {
 
@@ -63,15 +62,12 @@ class BaseControllerNode {
   void cycle();
   void publish(const Twist2& velocity, Stamp stamp);
   void report(const BaseCommand& command);
-  std::optional<Pose2> baseFromLaser(const std::string& frame);
 
   BaseControllerNodeParams params_;
   BaseControl control_;
   NodeDiagnostics diagnostics_;
   std::unique_ptr<LiveParameterServer> tuning_;
-  tf2_ros::Buffer tf_buffer_;
-  std::unique_ptr<tf2_ros::TransformListener> tf_listener_;  // until the laser's place is known
-  std::map<std::string, Pose2> base_from_laser_;
+  SensorPoses sensors_;
 
   std::optional<Pending> pending_;
   Stamp odom_stamp_{};

@@ -42,8 +42,8 @@ class ScanIntake {
     std::function<void()> time_jumped;
   };
 
-  ScanIntake(ros::NodeHandle nh, const IntakeParams& params, NodeDiagnostics& diagnostics,
-             Callbacks callbacks);
+  ScanIntake(ros::NodeHandle nh, const IntakeParams& params, const ScanRules& rules,
+             NodeDiagnostics& diagnostics, Callbacks callbacks);
   ScanIntake(const ScanIntake&) = delete;  // subscriptions hold its address
   ScanIntake& operator=(const ScanIntake&) = delete;
 
@@ -69,9 +69,9 @@ class ScanIntake {
   bool isActive() const;
   void forget(Stamp now);
   bool complete(Pending& pending);
-  std::optional<Pose2> laserPose(const std::string& frame);
 
   IntakeParams params_;
+  ScanRules rules_;
   NodeDiagnostics& diagnostics_;
   Callbacks callbacks_;
   TimeJumpWatch time_;

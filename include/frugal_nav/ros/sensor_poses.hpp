@@ -4,10 +4,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include <Eigen/Geometry>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
+
+#include <frugal_nav/common/geometry.hpp>
 
 namespace frugal_nav {
 
@@ -19,6 +22,9 @@ class SensorPoses {
 
   /// base_from_sensor; nothing, and a warning now and then, while tf does not know it.
   std::optional<Eigen::Isometry3d> baseFrom(const std::string& sensor_frame);
+  /// base_from_laser on the floor plane, of a laser that is mounted level with z up; or why its scans cannot
+  /// be used.
+  std::variant<Pose2, std::string> laser(const std::string& laser_frame);
 
  private:
   std::string base_frame_;

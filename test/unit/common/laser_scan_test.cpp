@@ -44,6 +44,32 @@ TEST(LaserScan, SoundScanHasNoFault) {
   EXPECT_FALSE(findFault(nothing_near).has_value());
 }
 
+TEST(LaserScan, AScanWithoutAReturnIsRefusedUnlessTheRulesAllowIt) {
+  LaserScan scan = soundScan();
+  scan.ranges_m.assign(360, kInf);
+  const auto fault = findFault(scan, ScanRules{});
+  ASSERT_TRUE(fault.has_value());
+  EXPECT_NE(fault->find("no return at all"), std::string::npos) << *fault;
+  ScanRules in_a_hall;
+  in_a_hall.require_return = false;
+  EXPECT_FALSE(findFault(scan, in_a_hall).has_value());
+  scan.ranges_m[90] = 11.0F;
+  EXPECT_FALSE(findFault(scan, ScanRules{}).has_value());
+  scan.ranges_m[90] = -kInf;
+  EXPECT_FALSE(findFault(scan, ScanRules{}).has_value()) << "too close is a return";
+}
+
+TEST(LaserScan, InfSaysNothingWhereTheRulesSaySo) {
+  LaserScan scan = soundScan();
+  scan.ranges_m[7] = kInf;
+  EXPECT_EQ(readBy(ScanRules{}, scan).ranges_m[7], kInf);
+  ScanRules failed_echoes;
+  failed_echoes.inf_is_free = false;
+  const LaserScan read = readBy(failed_echoes, scan);
+  EXPECT_EQ(classify(read, read.ranges_m[7]), Return::kUnknown);
+  EXPECT_EQ(read.ranges_m[8], scan.ranges_m[8]);
+}
+
 TEST(LaserScan, AcceptsOneRepeatedDirection) {
   LaserScan scan = soundScan();
   scan.ranges_m.assign(361, 1.0F);

@@ -23,6 +23,7 @@ LaserScan openScan(Stamp stamp) {
   scan.range_min_m = 0.15;
   scan.range_max_m = 12.0;
   scan.ranges_m.assign(360, std::numeric_limits<float>::infinity());
+  scan.ranges_m[90] = 11.0F;  // a wall far to the right: a laser that sees nothing at all is no laser
   return scan;
 }
 
@@ -347,6 +348,39 @@ TEST(BaseControl, ACommandAboveTheLimitsIsClamped) {
   Bench bench(Mode::kLidar);
   bench.local.velocity = {1.0, 0.0};
   EXPECT_NEAR(bench.run(2.0).velocity.v_mps, 0.35, 1e-9);
+}
+
+TEST(BaseControl, ACoveredLaserIsNoFreeFloor) {
+  Bench bench(Mode::kManual);
+  bench.run(1.0);
+  LaserScan covered = openScan(bench.now);
+  covered.ranges_m.assign(360, std::numeric_limits<float>::infinity());
+  EXPECT_FALSE(bench.control.setScan(covered, {}));
+  EXPECT_EQ(bench.control.cycle(bench.now).reason, Reason::kRefused);
+  BaseControlParams params;
+  params.scan.require_return = false;
+  bench.control.setParams(params);
+  EXPECT_TRUE(bench.control.setScan(covered, {})) << "an empty hall";
+}
+
+TEST(BaseControl, FailedEchoesAreBlind) {
+  BaseControlParams params;
+  params.scan.inf_is_free = false;
+  Bench bench(Mode::kManual, params);
+  bench.manual = {0.3, 0.0};
+  EXPECT_NEAR(bench.run(2.0).velocity.v_mps, params.blind_mps, 1e-9);
+}
+
+TEST(BaseControl, AScannerWhoseScansCannotBeUsedStopsEveryMode) {
+  BaseControlParams params;
+  params.require_scan = params.require_scan_in_manual = false;
+  Bench bench(Mode::kManual, params);
+  bench.scan_on = false;
+  ASSERT_FALSE(bench.run(1.0).velocity.isZero());
+  bench.control.refuse("scan", "no transform");
+  EXPECT_EQ(bench.step().reason, Reason::kRefused);
+  bench.control.reset();
+  EXPECT_EQ(bench.run(0.1).reason, Reason::kMissing) << "the scanner is still there";
 }
 
 TEST(BaseControl, UnusableScansAndOdometryStopIt) {
