@@ -13,6 +13,7 @@
 #include <topic_tools/shape_shifter.h>
 
 #include <frugal_nav/LocalCommand.h>
+#include <frugal_nav/MissionState.h>
 #include <frugal_nav/ros/conversions.hpp>
 
 // Sends the robot to a goal as any client of move_base does, watches the drive, and ends with one line
@@ -30,16 +31,19 @@ constexpr const char* kLocalCommand = "avoidance/command";
 constexpr int kSettledCommands = 10;
 
 constexpr const char* kUsage =
-    "usage: drive_to X Y [YAW] [--frame FRAME] [--timeout S]\n"
+    "usage: drive_to X Y [YAW] [--frame FRAME] [--timeout S] [--observed]\n"
     "  X Y      goal in metres; YAW in radians, without it the heading is that of the straight line\n"
     "  --frame  frame of the goal: odom (default), world (the simulator's), or any frame of tf\n"
-    "  --timeout  simulated seconds after which the goal is cancelled (default 300)\n";
+    "  --timeout  simulated seconds after which the goal is cancelled (default 300)\n"
+    "  --observed  sends no goal: the mission finds one itself, by the camera, and X Y is where it should "
+    "end\n";
 
 struct Options {
   Pose2 goal;
   bool has_yaw = false;
   std::string frame = "odom";
   double timeout_s = 300.0;
+  bool observed = false;
 };
 
 std::optional<double> number(const std::string& text) {
@@ -54,7 +58,9 @@ std::optional<Options> parse(const std::vector<std::string>& arguments) {
   std::vector<double> numbers;
   for (std::size_t i = 1; i < arguments.size(); ++i) {
     const bool has_value = i + 1 < arguments.size();
-    if (arguments[i] == "--frame" && has_value) {
+    if (arguments[i] == "--observed") {
+      options.observed = true;
+    } else if (arguments[i] == "--frame" && has_value) {
       options.frame = arguments[++i];
     } else if (arguments[i] == "--timeout" && has_value) {
       const std::optional<double> value = number(arguments[++i]);
@@ -89,6 +95,7 @@ class DriveTo {
     contact_sub_ = nh_.subscribe("ground_truth/contact", 100, &DriveTo::onContact, this);
     local_sub_ = nh_.subscribe(kLocalCommand, 5, &DriveTo::onLocalCommand, this);
     goal_sub_ = nh_.subscribe("mission/goal", 1, &DriveTo::onMissionGoal, this);
+    state_sub_ = nh_.subscribe("mission/state", 50, &DriveTo::onState, this);
   }
 
   /// The whole drive; true when the robot stands at the goal without having touched anything.
@@ -104,8 +111,8 @@ class DriveTo {
       spin();
       if (client_.isServerConnected() && odometry_) {
         with_truth_ = isPublished(nh_.resolveName("ground_truth/odom"));
-        const bool plans =
-            local_commands_ >= kSettledCommands || !isPublished(nh_.resolveName(kLocalCommand));
+        const bool plans = options_.observed || local_commands_ >= kSettledCommands ||
+                           !isPublished(nh_.resolveName(kLocalCommand));
         if (plans && (!with_truth_ || truth_)) return true;
       }
       if ((ros::WallTime::now() - start).toSec() > kStartTimeout_s) {
@@ -136,6 +143,10 @@ class DriveTo {
       goal = world_from_odom_->inverse() * goal;
       frame = "odom";
     }
+    if (options_.observed && frame != "odom") {
+      std::printf("drive_to: --observed needs the place in the frame odom or world\n");
+      return false;
+    }
     if (!options_.has_yaw && frame == "odom")
       goal.yaw_rad = std::atan2(goal.y_m - odometry_->y_m, goal.x_m - odometry_->x_m);
     move_base_msgs::MoveBaseGoal msg;
@@ -145,8 +156,12 @@ class DriveTo {
     goal_ = frame == "odom" ? std::optional<Pose2>(goal) : std::nullopt;
     start_ = ros::Time::now();
     driven_m_ = 0.0;
-    contacts_ = 0;
     sent_ = true;
+    if (options_.observed) {
+      std::printf("drive_to: waiting for the mission to see a goal and to drive there\n");
+      return true;
+    }
+    contacts_ = 0;
     client_.sendGoal(msg);
     std::printf("drive_to: goal (%.2f, %.2f) in %s, %.2f m away\n", goal.x_m, goal.y_m, frame.c_str(),
                 distance(*odometry_, goal));
@@ -158,7 +173,7 @@ class DriveTo {
     ros::Time last_time = start_;
     ros::WallTime last_change = ros::WallTime::now();
     double next_line_s = 10.0;
-    while (ros::ok() && !client_.getState().isDone()) {
+    while (ros::ok() && !isDone()) {
       spin();
       const ros::Time now = ros::Time::now();
       if (now != last_time) last_change = ros::WallTime::now();
@@ -175,7 +190,7 @@ class DriveTo {
       }
       if (elapsed_s >= options_.timeout_s) {
         std::printf("drive_to: not there after %.0f s: cancelling\n", elapsed_s);
-        client_.cancelGoal();
+        client_.cancelAllGoals();
         spinFor(1.0);
         return false;
       }
@@ -183,9 +198,20 @@ class DriveTo {
     end_ = ros::Time::now();
     spinFor(0.5);  // the robot stands; contacts of the last moment still come in
     if (!ros::ok()) return false;
+    if (options_.observed) {
+      std::printf("drive_to: %s: %s\n", state_ == MissionState::STATE_REACHED ? "REACHED" : "ENDED",
+                  state_reason_.c_str());
+      return state_ == MissionState::STATE_REACHED;
+    }
     const actionlib::SimpleClientGoalState state = client_.getState();
     std::printf("drive_to: %s: %s\n", state.toString().c_str(), state.getText().c_str());
     return state == actionlib::SimpleClientGoalState::SUCCEEDED;
+  }
+
+  bool isDone() const {
+    if (!options_.observed) return client_.getState().isDone();
+    return state_ == MissionState::STATE_REACHED || state_ == MissionState::STATE_ABORTED ||
+           state_ == MissionState::STATE_CANCELLED;
   }
 
   bool report(bool reached) {
@@ -251,6 +277,11 @@ class DriveTo {
 
   void onContact(const topic_tools::ShapeShifter&) { ++contacts_; }
 
+  void onState(const MissionState& msg) {
+    state_ = msg.state;
+    state_reason_ = msg.reason;
+  }
+
   // The goal as the mission understood it: what the error is measured against when it came in another frame.
   void onMissionGoal(const geometry_msgs::PoseStamped& msg) {
     if (sent_ && !goal_) goal_ = planar(msg.pose);
@@ -264,6 +295,7 @@ class DriveTo {
   ros::Subscriber contact_sub_;
   ros::Subscriber goal_sub_;
   ros::Subscriber local_sub_;
+  ros::Subscriber state_sub_;
   std::optional<Pose2> odometry_;  ///< odom_from_base
   std::optional<Pose2> truth_;     ///< world_from_base
   std::optional<Pose2> world_from_odom_;
@@ -272,6 +304,8 @@ class DriveTo {
   bool sent_ = false;
   int local_commands_ = 0;  ///< in a row, since the local planner was last stopped
   std::string local_reason_;
+  int state_ = MissionState::STATE_IDLE;
+  std::string state_reason_;
   ros::Time start_;
   ros::Time end_;
   double driven_m_ = 0.0;
