@@ -39,22 +39,31 @@ std::string MissionParams::check() const {
 }
 
 Mission::Mission(const MissionParams& params)
-    : params_(params), progress_(params.progress), recovery_(params.recovery) {
+    : params_(params),
+      progress_(params.progress),
+      recovery_(params.recovery),
+      observed_(params.observed),
+      alignment_(params.alignment) {
   validate(params, "mission");
 }
 
 void Mission::setParams(const MissionParams& params) {
   validate(params, "mission");
+  if (params.follow_observed && !params_.follow_observed) resumeFollowing();
   params_ = params;
   progress_.setParams(params.progress);
   recovery_.setParams(params.recovery);
+  observed_.setParams(params.observed);
+  alignment_ = Alignment(params.alignment);
 }
 
 std::uint32_t Mission::setGoal(const Pose2& odom_from_goal, Stamp stamp, bool with_yaw) {
   if (!odom_from_goal.isFinite()) return refuseGoal("goal is not finite", stamp);
   if (status_.mode == Mode::kManual) return refuseGoal("goal refused: manual mode is on", stamp);
   beginGoal(stamp);
+  follows_ = false;
   odom_from_goal_ = odom_from_goal;
+  ++goal_changes_;
   with_yaw_ = with_yaw && params_.use_goal_yaw;
   enter(Activity::kDriving, stamp, "driving to the goal");
   return status_.goal_number;
@@ -69,6 +78,7 @@ std::uint32_t Mission::refuseGoal(const std::string& reason, Stamp stamp) {
 }
 
 void Mission::cancel(const std::string& reason) {
+  follows_ = false;
   if (active()) finish(MissionPhase::kCancelled, reason);
 }
 
@@ -84,7 +94,7 @@ void Mission::setManual(bool manual) {
 void Mission::setPath(const Path2& odom_path, Stamp stamp, const std::string& reason) {
   if (wentBack(stamp, last_path_)) resetTime();
   last_path_ = stamp;
-  path_ = PathReport{stamp, !odom_path.empty(), 0.0, reason};
+  path_ = PathReport{stamp, !odom_path.empty(), 0.0, bendOf(odom_path), reason};
   // A rolling window's path may end at its edge: the rest is counted as a straight line.
   if (path_->found) path_->remaining_m = length(odom_path) + distance(odom_path.back(), odom_from_goal_);
 }
@@ -95,10 +105,13 @@ void Mission::setLocalCommand(const MotionCommand& command) {
   local_ = command;
 }
 
+void Mission::setBaseCommand(const Twist2& velocity, Stamp stamp) { base_ = BaseReport{stamp, velocity}; }
+
 MissionOutput Mission::update(const Odometry& odometry) {
   if (wentBack(odometry.stamp, last_odometry_)) resetTime();
   last_odometry_ = odometry.stamp;
   status_.stamp = odometry.stamp;
+  odom_from_base_ = odometry.odom_from_base;
   if (active() && !odometry.odom_from_base.isFinite())
     finish(MissionPhase::kAborted, "odometry lost: it is not finite");
   if (active() && !started_) {
@@ -112,8 +125,14 @@ MissionOutput Mission::update(const Odometry& odometry) {
 
   Twist2 command;
   switch (activity_) {
+    case Activity::kFacing:
+      command = face(odometry);
+      break;
     case Activity::kDriving:
       command = drive(odometry);
+      break;
+    case Activity::kLost:
+      command = waitForGoal(odometry);
       break;
     case Activity::kSettling:
       command = settle(odometry);
@@ -143,9 +162,11 @@ bool Mission::checkOdometry(Stamp now) {
 
 void Mission::resetTime() {
   if (active()) finish(MissionPhase::kAborted, "time jumped back");
+  p_done_person_.reset();
   status_.stamp = Stamp{};
   path_.reset();
   local_.reset();
+  base_.reset();
   last_odometry_.reset();
   last_path_.reset();
   last_local_.reset();
@@ -158,7 +179,7 @@ Twist2 Mission::drive(const Odometry& odometry) {
     enter(Activity::kSettling, odometry.stamp, "at the goal, coming to a stand");
     return {};
   }
-  if (abortedByInputs(odometry.stamp)) return {};
+  if (lostGoal(odometry) || abortedByInputs(odometry.stamp)) return {};
   if (stopped_since_) {
     progress_.resume(odometry.stamp);  // no progress is to be expected
   } else {
@@ -245,7 +266,7 @@ std::string Mission::stoppedReason(Stamp now) const {
   const auto stale = [&](const std::optional<Stamp>& last) {
     return !last || toSeconds(now - *last) > params_.input_timeout_s;
   };
-  if (params_.drive_mode == "camera") return stale(last_path_) ? "planner stopped: no path from it" : "";
+  if (isCamera()) return stale(last_path_) ? "planner stopped: no path from it" : "";
   if (stale(last_local_)) return "avoidance stopped: no command from it";
   if (local_->status == MotionCommand::Status::kStopped) return "avoidance stopped: " + local_->reason;
   const bool had_time = toSeconds(local_->stamp - goal_start_) > params_.input_timeout_s;
@@ -259,7 +280,8 @@ std::string Mission::obstruction(Stamp now) {
   std::string reason;
   if (params_.needs_path && path_ && path_->stamp >= goal_start_ && !path_->found)
     reason = "no path to the goal: " + (path_->reason.empty() ? "every way is closed" : path_->reason);
-  else if (local_ && local_->stamp >= goal_start_ && local_->status == MotionCommand::Status::kBlocked)
+  else if (!isCamera() && local_ && local_->stamp >= goal_start_ &&
+           local_->status == MotionCommand::Status::kBlocked)
     reason = "blocked: " + (local_->reason.empty() ? "no way past the obstacles" : local_->reason);
   if (reason.empty()) {
     obstructed_since_.reset();
@@ -275,7 +297,7 @@ void Mission::watchProgress(const Odometry& odometry) {
     sample.remaining_m = distance(odometry.odom_from_base, odom_from_goal_);
   else if (path_ && path_->found && path_->stamp >= goal_start_)
     sample.remaining_m = path_->remaining_m;
-  sample.commanded = local_ && local_->holds != MotionCommand::Holds::kNothing;
+  sample.commanded = isCommanded(odometry.stamp);
   const ProgressMonitor::Verdict verdict = progress_.update(sample);
   if (progress_.gained_m() >= params_.recovery.regained_m) recoveries_ = 0;
 
@@ -283,6 +305,9 @@ void Mission::watchProgress(const Odometry& odometry) {
   if (!obstructed.empty()) {
     if (toSeconds(odometry.stamp - *obstructed_since_) >= params_.patience_s)
       startRecovery(odometry, obstructed);
+  } else if (verdict == ProgressMonitor::Verdict::kStalled && isCamera() && base_) {
+    finish(MissionPhase::kAborted,
+           "hit: the base is told to move but stands for " + seconds(params_.progress.stall_s));
   } else if (verdict == ProgressMonitor::Verdict::kStalled) {
     startRecovery(odometry, "stuck: told to move but standing for " + seconds(params_.progress.stall_s));
   } else if (verdict == ProgressMonitor::Verdict::kNoProgress) {
@@ -296,13 +321,21 @@ void Mission::startRecovery(const Odometry& odometry, const std::string& cause) 
     return;
   }
   ++recoveries_;
-  recovery_.start(odometry, local_ ? local_->clear_bearing_rad : 0.0);
+  if (isCamera()) {
+    // What lies behind is out of view: look around, to either side of the goal in turn, ever farther.
+    const double aside_rad = (recoveries_ % 2 == 1 ? 1.0 : -1.0) * (0.6 + 0.3 * recoveries_);
+    const double to_goal_rad = bearingTo(odometry.odom_from_base, odom_from_goal_.position());
+    recovery_.start(odometry, to_goal_rad + aside_rad, false);
+  } else {
+    recovery_.start(odometry, local_ ? local_->clear_bearing_rad : 0.0);
+  }
   enter(Activity::kRecovering, odometry.stamp, cause);
 }
 
 void Mission::beginGoal(Stamp stamp) {
   if (active()) finish(MissionPhase::kCancelled, "preempted by a new goal");
   ++status_.goal_number;
+  following_ = false;
   goal_start_ = activity_start_ = stamp;
   started_ = false;
   near_goal_ = false;
@@ -320,8 +353,10 @@ void Mission::enter(Activity activity, Stamp stamp, const std::string& reason) {
   status_.phase = activity == Activity::kRecovering ? MissionPhase::kRecovering : MissionPhase::kDriving;
   switch (activity) {
     case Activity::kDriving:
-      status_.mode = params_.drive_mode == "camera" ? Mode::kCamera : Mode::kLidar;
+      status_.mode = isCamera() ? Mode::kCamera : Mode::kLidar;
       break;
+    case Activity::kFacing:
+    case Activity::kLost:
     case Activity::kSettling:
     case Activity::kAligning:
       status_.mode = Mode::kAligning;
@@ -336,11 +371,16 @@ void Mission::enter(Activity activity, Stamp stamp, const std::string& reason) {
 }
 
 void Mission::finish(MissionPhase phase, const std::string& reason) {
+  const bool was_lost = activity_ == Activity::kLost;
   activity_ = Activity::kNone;
   status_.mode = Mode::kIdle;
   status_.phase = phase;
   status_.reason = reason;
   events_.push_back({status_.goal_number, phase, reason});
+  // One who was lost is followed as soon as he is seen again; of one who was reached, or cannot be, it takes
+  // another place.
+  if (following_ && !was_lost) p_done_person_ = observed_.person();
+  following_ = false;
 }
 
 }  // namespace frugal_nav

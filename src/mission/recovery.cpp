@@ -4,7 +4,8 @@
 
 namespace frugal_nav {
 
-void Recovery::start(const Odometry& odometry, double clear_bearing_rad) {
+void Recovery::start(const Odometry& odometry, double clear_bearing_rad, bool backs_off) {
+  backs_off_ = backs_off;
   goal_yaw_rad_ = wrapAngle(odometry.odom_from_base.yaw_rad + clear_bearing_rad);
   enter(Step::kTurn, odometry);
 }
@@ -25,7 +26,7 @@ Twist2 Recovery::turn(const Odometry& odometry) {
   const double error_rad = angleBetween(odometry.odom_from_base.yaw_rad, goal_yaw_rad_);
   if (std::abs(error_rad) <= params_.turn_tolerance_rad ||
       toSeconds(odometry.stamp - step_start_) >= params_.turn_timeout_s) {
-    enter(Step::kBackOff, odometry);
+    enter(backs_off_ ? Step::kBackOff : Step::kDone, odometry);
     return {};
   }
   return {0.0, std::copysign(params_.turn_radps, error_rad)};

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <geometry_msgs/TwistStamped.h>
 #include <tf2_geometry_msgs/tf2_geometry_msgs.h>
 
 #include <frugal_nav/MissionState.h>
@@ -56,6 +55,8 @@ MissionNode::MissionNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   odometry_sub_ = nh.subscribe("odom", 10, &MissionNode::onOdometry, this, hints);
   path_sub_ = nh.subscribe("path", 2, &MissionNode::onPath, this, hints);
   command_sub_ = nh.subscribe("avoidance/command", 2, &MissionNode::onLocalCommand, this, hints);
+  observed_sub_ = nh.subscribe("goal/observed", 1, &MissionNode::onObserved, this, hints);
+  base_command_sub_ = nh.subscribe("cmd_vel_stamped", 10, &MissionNode::onBaseCommand, this, hints);
   simple_goal_sub_ = nh.subscribe("move_base_simple/goal", 1, &MissionNode::onSimpleGoal, this);
   manual_service_ = pnh.advertiseService("set_manual", &MissionNode::onSetManual, this);
   timer_ = nh.createTimer(ros::Duration(kCheckPeriod_s), [this](const ros::TimerEvent&) { onTimer(); });
@@ -83,11 +84,7 @@ void MissionNode::onGoal(GoalHandle handle) {
     mission_.refuseGoal(std::get<std::string>(goal), toStamp(now));
   }
   if (mission_.active()) {
-    geometry_msgs::PoseStamped msg;
-    msg.header.stamp = now;
-    msg.header.frame_id = params_.odom_frame;
-    msg.pose = toRos(mission_.goal());
-    goal_pub_.publish(msg);
+    publishGoal(now);
     ROS_INFO("goal %u: (%.2f, %.2f) in %s", mission_.status().goal_number, mission_.goal().x_m,
              mission_.goal().y_m, params_.odom_frame.c_str());
   }
@@ -107,6 +104,46 @@ void MissionNode::onSimpleGoal(const geometry_msgs::PoseStamped& goal) {
   action.header.stamp = ros::Time::now();
   action.goal.target_pose = goal;
   action_goal_pub_.publish(action);
+}
+
+void MissionNode::onObserved(const geometry_msgs::PoseWithCovarianceStamped& msg) {
+  geometry_msgs::PoseStamped seen;
+  seen.header = msg.header;
+  seen.pose.position = msg.pose.pose.position;
+  seen.pose.orientation.w = 1.0;  // which way the person looks does not matter
+  const std::variant<Pose2, std::string> place = toOdom(seen);
+  if (const auto* fault = std::get_if<std::string>(&place)) {
+    diagnostics_.input("goal/observed").refused(*fault);
+    return;
+  }
+  const ros::Time now = std::max(checkClock(), toRos(mission_.status().stamp));
+  diagnostics_.input("goal/observed").received(toStamp(msg.header.stamp), toStamp(now));
+  const std::uint32_t goal_number = mission_.status().goal_number;
+  mission_.setObservedGoal(std::get<Pose2>(place).position(), toStamp(now));
+  if (mission_.active() && mission_.goalChanges() != goal_changes_) publishGoal(now);
+  if (mission_.status().goal_number == goal_number) return;
+  ROS_INFO("goal %u: the person at (%.2f, %.2f) in %s", mission_.status().goal_number,
+           std::get<Pose2>(place).x_m, std::get<Pose2>(place).y_m, params_.odom_frame.c_str());
+  publishStatus();
+}
+
+void MissionNode::onBaseCommand(const geometry_msgs::TwistStamped& msg) {
+  const Twist2 velocity = planar(msg.twist);
+  if (!velocity.isFinite()) {
+    diagnostics_.input("cmd_vel_stamped").refused("not finite");
+    return;
+  }
+  diagnostics_.input("cmd_vel_stamped").received(toStamp(msg.header.stamp), toStamp(checkClock()));
+  mission_.setBaseCommand(velocity, toStamp(msg.header.stamp));
+}
+
+void MissionNode::publishGoal(ros::Time now) {
+  goal_changes_ = mission_.goalChanges();
+  geometry_msgs::PoseStamped msg;
+  msg.header.stamp = now;
+  msg.header.frame_id = params_.odom_frame;
+  msg.pose = toRos(mission_.goal());
+  goal_pub_.publish(msg);
 }
 
 std::variant<Pose2, std::string> MissionNode::toOdom(const geometry_msgs::PoseStamped& goal) const {

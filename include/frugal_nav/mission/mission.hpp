@@ -11,6 +11,8 @@
 #include <frugal_nav/common/motion_command.hpp>
 #include <frugal_nav/common/odometry.hpp>
 #include <frugal_nav/common/params.hpp>
+#include <frugal_nav/control/alignment.hpp>
+#include <frugal_nav/mission/observed_goal.hpp>
 #include <frugal_nav/mission/progress_monitor.hpp>
 #include <frugal_nav/mission/recovery.hpp>
 
@@ -20,6 +22,8 @@ namespace frugal_nav {
 struct MissionParams {
   std::string drive_mode = "lidar";
   bool needs_path = true;
+  bool follow_observed = false;
+  bool align_first = false;
   double xy_tolerance_m = 0.25;
   double xy_aim_m = 0.05;
   double closing_s = 1.0;
@@ -35,6 +39,8 @@ struct MissionParams {
   double input_timeout_s = 1.0;
   double odom_timeout_s = 1.0;
   double goal_timeout_s = 0.0;
+  ObservedGoalParams observed;
+  AlignmentParams alignment;
   ProgressParams progress;
   RecoveryParams recovery;
 
@@ -68,6 +74,12 @@ class Mission {
   /// Takes a goal, from now on the only one, and returns its number. Without a yaw the heading at the goal is
   /// free. A goal that is not finite, or that comes in manual mode, is aborted at once.
   std::uint32_t setGoal(const Pose2& odom_from_goal, Stamp stamp, bool with_yaw = true);
+  /// A person seen at a place of odom. With `follow_observed` the first one becomes the goal: the stand-off
+  /// point before it; later ones move it, under the same number. Other goals come before it; after one of
+  /// them, or when cancelled, it takes resumeFollowing() to follow again.
+  void setObservedGoal(const Eigen::Vector2d& p_odom_person, Stamp stamp);
+  /// From now on the next person seen is followed.
+  void resumeFollowing();
   /// Ends the present goal and counts one that cannot be driven to, for example "goal in an unknown frame".
   std::uint32_t refuseGoal(const std::string& reason, Stamp stamp);
   /// Ends the present goal, if there is one, as cancelled; the state says so at once.
@@ -79,6 +91,9 @@ class Mission {
   void setPath(const Path2& odom_path, Stamp stamp, const std::string& reason = "");
   /// What the local planner wants.
   void setLocalCommand(const MotionCommand& command);
+  /// What the base was really told, by whoever tells it: with it a robot that is held fast is told from one
+  /// that the collision stop holds.
+  void setBaseCommand(const Twist2& velocity, Stamp stamp);
   /// Decides for one odometry.
   MissionOutput update(const Odometry& odometry);
   /// Ends the present goal when the odometry has stopped; true when it did.
@@ -92,22 +107,35 @@ class Mission {
   const MissionStatus& status() const { return status_; }
   bool active() const { return activity_ != Activity::kNone; }
   const Pose2& goal() const { return odom_from_goal_; }
+  /// How often the goal has been set or has moved: whoever passes it on looks here.
+  std::uint32_t goalChanges() const { return goal_changes_; }
+  /// The person that is the goal, in odom; nothing for other goals.
+  std::optional<Eigen::Vector2d> person() const {
+    return following_ ? std::optional<Eigen::Vector2d>(observed_.person()) : std::nullopt;
+  }
   int recoveries() const { return recoveries_; }
 
  private:
-  enum class Activity { kNone, kDriving, kSettling, kAligning, kRecovering };
+  enum class Activity { kNone, kFacing, kDriving, kLost, kSettling, kAligning, kRecovering };
   struct PathReport {
     Stamp stamp{};
     bool found = false;
     double remaining_m = 0.0;
+    double bend_m = 0.0;
     std::string reason;
   };
 
+  Twist2 face(const Odometry& odometry);
   Twist2 drive(const Odometry& odometry);
+  Twist2 waitForGoal(const Odometry& odometry);
   Twist2 settle(const Odometry& odometry);
   Twist2 align(const Odometry& odometry);
   Twist2 recover(const Odometry& odometry);
 
+  bool isCamera() const { return params_.drive_mode == "camera"; }
+  void startFollowing(const Eigen::Vector2d& p_odom_person, Stamp stamp);
+  bool lostGoal(const Odometry& odometry);
+  bool isCommanded(Stamp now) const;
   bool arrived(const Odometry& odometry);
   bool standing(const Odometry& odometry) const;
   bool abortedByInputs(Stamp now);
@@ -123,12 +151,19 @@ class Mission {
   MissionParams params_;
   ProgressMonitor progress_;
   Recovery recovery_;
+  ObservedGoal observed_;
+  Alignment alignment_;
   MissionStatus status_;
   std::vector<MissionEvent> events_;
 
   Activity activity_ = Activity::kNone;
   Stamp activity_start_{};
   Pose2 odom_from_goal_;
+  std::uint32_t goal_changes_ = 0;
+  bool follows_ = true;                           ///< the next person seen is taken for the goal
+  bool following_ = false;                        ///< the present goal is a person
+  std::optional<Eigen::Vector2d> p_done_person_;  ///< where the last one was when its goal ended
+  Pose2 odom_from_base_;                          ///< of the last odometry
   bool with_yaw_ = true;
   Stamp goal_start_{};
   bool started_ = false;  ///< an odometry has come since the goal was set
@@ -141,6 +176,11 @@ class Mission {
 
   std::optional<PathReport> path_;
   std::optional<MotionCommand> local_;
+  struct BaseReport {
+    Stamp stamp{};
+    Twist2 velocity;
+  };
+  std::optional<BaseReport> base_;
   std::optional<Stamp> last_odometry_;
   std::optional<Stamp> last_path_;
   std::optional<Stamp> last_local_;
@@ -154,6 +194,9 @@ void MissionParams::fields(Visitor&& visit) {
               "lidar|camera"});
   visit("needs_path", needs_path,
         Field{"", "false where the local planner heads for the goal itself and no planner runs"});
+  visit("follow_observed", follow_observed,
+        Field{"", "take the person on goal/observed for the goal, and follow it"});
+  visit("align_first", align_first, Field{"", "turn to face that person before driving [paper]"});
   visit("xy_tolerance_m", xy_tolerance_m,
         Field{"m", "at the goal when within this; leaves 0.05 m of braking to the 0.30 m goal radius", 0.01,
               5.0});
@@ -187,6 +230,8 @@ void MissionParams::fields(Visitor&& visit) {
         Field{"s", "gives up without odometry for this long; the base stands after its own, shorter time-out",
               0.05, 60.0});
   visit("goal_timeout_s", goal_timeout_s, Field{"s", "gives up after this long; 0 never does", 0.0, 86400.0});
+  visit("observed", observed);
+  visit("alignment", alignment);
   visit("progress", progress);
   visit("recovery", recovery);
 }

@@ -46,7 +46,8 @@ class Recovery {
   void setParams(const RecoveryParams& params) { params_ = params; }
 
   /// Begins at the present pose; `clear_bearing_rad` is the direction of the larger clearance, in base_link.
-  void start(const Odometry& odometry, double clear_bearing_rad);
+  /// Without `backs_off` it only turns: where nothing sees what lies behind.
+  void start(const Odometry& odometry, double clear_bearing_rad, bool backs_off = true);
   /// The velocity for this instant; zero once done.
   Twist2 update(const Odometry& odometry);
   bool done() const { return step_ == Step::kDone; }
@@ -62,6 +63,7 @@ class Recovery {
   Stamp step_start_{};
   Pose2 step_pose_;
   double goal_yaw_rad_ = 0.0;  ///< in odom
+  bool backs_off_ = true;
 };
 
 }  // namespace frugal_nav

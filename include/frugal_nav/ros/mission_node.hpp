@@ -7,6 +7,8 @@
 
 #include <actionlib/server/action_server.h>
 #include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <geometry_msgs/TwistStamped.h>
 #include <move_base_msgs/MoveBaseAction.h>
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
@@ -42,8 +44,8 @@ struct MissionNodeParams {
   std::string check() const { return mission.check(); }
 };
 
-/// Serves `move_base` (MoveBaseAction), `move_base_simple/goal` and a tour from a file; gives mission/goal,
-/// mission/state and mission/command. Everything it decides is Mission's.
+/// Serves `move_base` (MoveBaseAction), `move_base_simple/goal`, a tour from a file and the person on
+/// goal/observed; gives mission/goal, mission/state and mission/command. Everything it decides is Mission's.
 class MissionNode {
  public:
   /// Throws ConfigError on bad parameters or a bad waypoint file.
@@ -57,6 +59,8 @@ class MissionNode {
   void onGoal(GoalHandle handle);
   void onCancel(GoalHandle handle);
   void onSimpleGoal(const geometry_msgs::PoseStamped& goal);
+  void onObserved(const geometry_msgs::PoseWithCovarianceStamped& msg);
+  void onBaseCommand(const geometry_msgs::TwistStamped& msg);
   void onOdometry(const nav_msgs::Odometry& msg);
   void onPath(const nav_msgs::Path& msg);
   void onLocalCommand(const LocalCommand& msg);
@@ -67,6 +71,7 @@ class MissionNode {
   /// The goal in the odom frame, or why it cannot be driven to.
   std::variant<Pose2, std::string> toOdom(const geometry_msgs::PoseStamped& goal) const;
   void reportEnds();
+  void publishGoal(ros::Time now);
   void publishStatus();
   void publishFeedback(const nav_msgs::Odometry& msg);
   void driveTour(ros::Time now);
@@ -83,6 +88,7 @@ class MissionNode {
   std::optional<GoalHandle> goal_handle_;  ///< of the goal on its way
   ros::Time last_feedback_;
   ros::Time last_now_;
+  std::uint32_t goal_changes_ = 0;  ///< of the mission when its goal was last published
 
   std::optional<WaypointList> tour_;
   std::size_t next_waypoint_ = 0;
@@ -97,6 +103,8 @@ class MissionNode {
   ros::Subscriber path_sub_;
   ros::Subscriber command_sub_;
   ros::Subscriber simple_goal_sub_;
+  ros::Subscriber observed_sub_;
+  ros::Subscriber base_command_sub_;
   ros::ServiceServer manual_service_;
   ros::Timer timer_;
 };

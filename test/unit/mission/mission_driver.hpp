@@ -52,7 +52,13 @@ class MissionDriver {
     return mission.setGoal(goal, stampFromSeconds(time_s), with_yaw);
   }
 
-  Path2 path() const { return path_found ? Path2{odometry.odom_from_base, mission.goal()} : Path2{}; }
+  Path2 path() const {
+    if (!path_found) return {};
+    const Pose2 begin = odometry.odom_from_base;
+    const Pose2 end = mission.goal();
+    const Eigen::Vector2d middle = 0.5 * (begin.position() + end.position());
+    return {begin, {middle.x(), middle.y() + path_bend_m, 0.0}, end};
+  }
 
   Mission mission;
   double time_s = 100.0;
@@ -61,6 +67,7 @@ class MissionDriver {
   bool feed_command = true;
   bool feed_path = true;
   bool path_found = true;
+  double path_bend_m = 0.0;  ///< its middle lies this far beside the straight line
   std::string path_reason;
 };
 

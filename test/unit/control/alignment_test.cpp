@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <frugal_nav/perception/alignment.hpp>
+#include <frugal_nav/control/alignment.hpp>
 
 namespace frugal_nav {
 namespace {
@@ -93,6 +93,21 @@ TEST(Alignment, ConvergesOnATurningRobot) {
     EXPECT_LT(frames, 40);
     EXPECT_LT(std::abs(bearing_rad), 0.037);  // 19.2 px of 532
   }
+}
+
+TEST(Alignment, TakesABearingForTheColumnItHasInTheImage) {
+  // 640 pixels and 62 degrees: f = 320 / tan(31 degrees) = 532.6; 0.2 rad to the left is column 320 - 108.0.
+  constexpr double kView_rad = 62.0 / 180.0 * M_PI;
+  const double column = 320.0 - 320.0 / std::tan(0.5 * kView_rad) * std::tan(0.2);
+  const AlignmentStep by_column = once(column);
+  const AlignmentStep by_bearing =
+      Alignment(AlignmentParams{}).updateBearing(stampFromSeconds(1.0), kView_rad, 0.2);
+  EXPECT_EQ(by_bearing.status, Status::kTurningLeft);
+  EXPECT_NEAR(by_bearing.w_radps, by_column.w_radps, 1e-12);
+  const AlignmentStep behind =
+      Alignment(AlignmentParams{}).updateBearing(stampFromSeconds(1.0), kView_rad, -3.0);
+  EXPECT_EQ(behind.status, Status::kTurningRight);
+  EXPECT_DOUBLE_EQ(behind.w_radps, -AlignmentParams{}.max_turn_radps);
 }
 
 }  // namespace

@@ -59,6 +59,9 @@ class Alignment {
   /// One frame: the column of the target's centre from the image's left edge, or nullopt when it is not seen.
   /// A stamp before the last one starts anew.
   AlignmentStep update(Stamp stamp, int image_width_px, std::optional<double> target_column_px);
+  /// The same for a target whose bearing is known, left positive, in a camera that sees `view_rad` in all; E
+  /// is given as if the image were a pixel wide.
+  AlignmentStep updateBearing(Stamp stamp, double view_rad, double bearing_rad);
   /// Starts anew.
   void reset();
 

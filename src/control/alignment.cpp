@@ -2,13 +2,20 @@
 #include <cmath>
 #include <limits>
 
-#include <frugal_nav/perception/alignment.hpp>
+#include <frugal_nav/control/alignment.hpp>
 
 namespace frugal_nav {
 
 Alignment::Alignment(const AlignmentParams& params) : params_(params) { validate(params, "alignment"); }
 
 void Alignment::reset() { last_stamp_.reset(); }
+
+AlignmentStep Alignment::updateBearing(Stamp stamp, double view_rad, double bearing_rad) {
+  // A bearing outside the view counts as at the image's edge and beyond: the same side, the fastest turn.
+  constexpr double kWidest_rad = 1.4;
+  const double focal = 0.5 / std::tan(0.5 * view_rad);
+  return update(stamp, 1, 0.5 - focal * std::tan(std::clamp(bearing_rad, -kWidest_rad, kWidest_rad)));
+}
 
 AlignmentStep Alignment::update(Stamp stamp, int image_width_px, std::optional<double> target_column_px) {
   if (!last_stamp_ || stamp < *last_stamp_) last_seen_ = stamp;  // a fresh start has the whole time

@@ -1,0 +1,82 @@
+#include <cmath>
+
+#include <frugal_nav/mission/mission.hpp>
+
+// A person as the goal: taken from goal/observed, faced, and waited for where it is lost.
+
+namespace frugal_nav {
+
+void Mission::setObservedGoal(const Eigen::Vector2d& p_odom_person, Stamp stamp) {
+  if (!params_.follow_observed || !p_odom_person.allFinite() || status_.mode == Mode::kManual) return;
+  if (following_) {
+    if (observed_.see(p_odom_person, odom_from_base_.position())) {
+      odom_from_goal_ = observed_.standOff();
+      ++goal_changes_;
+    }
+    return;
+  }
+  if (active() || !follows_ || !last_odometry_) return;
+  const bool stays = p_done_person_ && (p_odom_person - *p_done_person_).norm() < params_.observed.restart_m;
+  if (!stays) startFollowing(p_odom_person, stamp);
+}
+
+void Mission::resumeFollowing() {
+  follows_ = true;
+  p_done_person_.reset();
+}
+
+void Mission::startFollowing(const Eigen::Vector2d& p_odom_person, Stamp stamp) {
+  beginGoal(stamp);
+  following_ = true;
+  p_done_person_.reset();
+  observed_.start(p_odom_person, odom_from_base_.position(), stamp);
+  odom_from_goal_ = observed_.standOff();
+  ++goal_changes_;
+  with_yaw_ = params_.use_goal_yaw;
+  alignment_.reset();
+  if (params_.align_first) {
+    enter(Activity::kFacing, stamp, "turning to face the person");
+  } else {
+    enter(Activity::kDriving, stamp, "driving to the person");
+  }
+}
+
+Twist2 Mission::face(const Odometry& odometry) {
+  if (lostGoal(odometry)) return {};
+  const double bearing_rad = bearingTo(odometry.odom_from_base, observed_.person());
+  const AlignmentStep step = alignment_.updateBearing(odometry.stamp, params_.observed.view_rad, bearing_rad);
+  const bool late = toSeconds(odometry.stamp - activity_start_) >= params_.align_timeout_s;
+  if (step.status != AlignmentStep::Status::kDone && !late) return {0.0, step.w_radps};
+  progress_.resume(odometry.stamp);
+  enter(Activity::kDriving, odometry.stamp, "driving to the person");
+  return {};
+}
+
+/// Whether the person who is the goal has been lost, and the robot now stands.
+bool Mission::lostGoal(const Odometry& odometry) {
+  if (!following_) return false;
+  observed_.watch(odometry.stamp, odometry.odom_from_base, path_ ? path_->bend_m : 0.0);
+  if (!observed_.isLost()) return false;
+  enter(Activity::kLost, odometry.stamp, "goal lost: the person is not where it was seen last");
+  return true;
+}
+
+Twist2 Mission::waitForGoal(const Odometry& odometry) {
+  observed_.watch(odometry.stamp, odometry.odom_from_base, 0.0);
+  if (!observed_.isLost()) {
+    progress_.resume(odometry.stamp);
+    enter(Activity::kDriving, odometry.stamp, "driving to the person, seen again");
+  } else if (toSeconds(odometry.stamp - activity_start_) >= params_.observed.lost_timeout_s) {
+    finish(MissionPhase::kAborted, "goal lost: the person was not seen again");
+  }
+  return {};
+}
+
+/// Whether the base is told to move now.
+bool Mission::isCommanded(Stamp now) const {
+  if (!isCamera()) return local_ && local_->holds != MotionCommand::Holds::kNothing;
+  if (base_) return !base_->velocity.isZero() && toSeconds(now - base_->stamp) < params_.input_timeout_s;
+  return path_ && path_->found && path_->stamp >= goal_start_ && path_->remaining_m > params_.xy_aim_m;
+}
+
+}  // namespace frugal_nav
