@@ -89,7 +89,7 @@ class MissionGraph {
     twist_ = {};
     if (states.empty()) return;
     const MissionState& state = states.back();
-    if (state.mode == MissionState::MODE_LIDAR && goal) {
+    if ((state.mode == MissionState::MODE_LIDAR || state.mode == MissionState::MODE_CAMERA) && goal) {
       odom_from_base.yaw_rad += bearingTo(odom_from_base, goal->position());
       twist_ = {std::min(1.0, 4.0 * distance(odom_from_base, *goal)), 0.0};
     } else if (state.mode == MissionState::MODE_ALIGNING || state.mode == MissionState::MODE_RECOVERING) {
