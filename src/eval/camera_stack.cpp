@@ -81,13 +81,12 @@ CameraStackParams loadCameraStack(const std::string& share_dir) {
   params.detector = loadParamFile<YoloParams>(config + "models/heads.yaml");
   params.network = loadParamFile<DepthNetworkParams>(config + "models/depth_small.yaml");
   params.odometry = loadPart<WheelOdometryParams>({config + "wheel_odometry.yaml"});
-  params.mission = loadPart<MissionParams>({config + "mission.yaml"});
+  params.range = loadPart<HeadRangeParams>({config + "goal_detector.yaml"}, "head/");
+  params.tracker = loadPart<GoalTrackerParams>({config + "goal_detector.yaml"}, "tracker/");
+  params.visual = loadPart<VisualOdometryParams>({config + "visual_odometry.yaml"});
+  params.mission = loadPart<MissionParams>({config + "mission.yaml", config + "hybrid/mission.yaml"});
   params.base =
-      loadPart<BaseControlParams>({config + "base_controller.yaml"});
-  params.mission.drive_mode = "camera";
-  params.base.require_scan = false;
-  params.base.path.slow_from_rad = 0.25;
-  params.base.path.stop_from_rad = 0.6;
+      loadPart<BaseControlParams>({config + "base_controller.yaml", config + "hybrid/base_controller.yaml"});
   return params;
 }
 
@@ -119,6 +118,11 @@ CameraStack::CameraStack(const CameraStackParams& params, const RobotModel& robo
 
 void CameraStack::addImage(Stamp stamp, const cv::Mat& bgr) { pictures_.push_back({stamp, bgr}); }
 
+void CameraStack::cycle(Stamp stamp) {
+  command_ = base_.cycle(stamp);
+  mission_.setBaseCommand(command_.velocity, stamp);
+}
+
 BaseCommand CameraStack::addTicks(Stamp stamp, std::int64_t left, std::int64_t right) {
   if (const auto odometry = wheels_.addTicks(stamp, left, right)) {
     odometry_ = *odometry;
@@ -128,7 +132,7 @@ BaseCommand CameraStack::addTicks(Stamp stamp, std::int64_t left, std::int64_t r
     base_.setMission(output.status);
     if (output.command) base_.setMissionCommand(*output.command, output.status.stamp);
   }
-  command_ = base_.cycle(stamp);
+  cycle(stamp);
   while (!pictures_.empty() && buffer_.covers(pictures_.front().stamp)) {
     pending_.push_back(look(pictures_.front()));
     pictures_.pop_front();
@@ -136,7 +140,7 @@ BaseCommand CameraStack::addTicks(Stamp stamp, std::int64_t left, std::int64_t r
   while (!pending_.empty() && pending_.front().stamp + latency_ <= stamp) {
     takeEffect(std::move(pending_.front()));
     pending_.pop_front();
-    command_ = base_.cycle(stamp);
+    cycle(stamp);
   }
   return command_;
 }
@@ -173,28 +177,15 @@ CameraResult CameraStack::look(const Picture& picture) {
   return result;
 }
 
-void CameraStack::observe(const Eigen::Vector2d& p_odom, Stamp stamp) {
-  if (person_) return;
-  person_ = p_odom;
-  const Eigen::Vector2d line = p_odom - odometry_.odom_from_base.position();
-  const Eigen::Vector2d goal = p_odom - 0.8 * line.normalized();
-  mission_.setGoal({goal.x(), goal.y(), std::atan2(line.y(), line.x())}, stamp);
-}
-
 void CameraStack::passGoal() {
-  const MissionPhase phase = mission_.status().phase;
-  const bool active = phase == MissionPhase::kDriving || phase == MissionPhase::kRecovering;
-  if (!active) {
-    planner_.setGoal(std::nullopt);
-    return;
-  }
-  planner_.setGoal(mission_.goal(), person_);
+  const std::optional<Pose2> goal = mission_.active() ? std::optional<Pose2>(mission_.goal()) : std::nullopt;
+  planner_.setGoal(goal, mission_.person());
 }
 
 void CameraStack::takeEffect(CameraResult result) {
   const double begin_ms = milliseconds();
   if (result.goal.goal && result.goal.state == GoalTracker::State::kSeen)
-    observe(result.goal.goal->p_odom, result.stamp);
+    mission_.setObservedGoal(result.goal.goal->p_odom, result.stamp);
   passGoal();
   CameraObservation observation;
   observation.stamp = result.stamp;

@@ -33,6 +33,7 @@ struct SuccessOptions {
   std::vector<double> speeds = {0.15, 0.25, 0.35};
   double pipeline_rate = 5.0;
   int width = 416;
+  double halt_width = 1.5;
   std::string pictures;
 
   template <class Visitor>
@@ -48,6 +49,11 @@ struct SuccessOptions {
           Field{"Hz", "images a second; what one shows takes effect one period later; time-outs follow it",
                 0.5, 20.0});
     visit("width", width, Field{"px", "columns of the images, three quarters as many rows", 160, 1280});
+    visit("halt_width", halt_width,
+          Field{"",
+                "robot widths below which a gap is not driven through: the layouts' narrowest, the paper's "
+                "stress setting",
+                1.0, 5.0});
     visit("pictures", pictures, Field{"", "folder for a picture of each failure; empty for none"});
   }
   std::string check() const {
@@ -101,6 +107,7 @@ class SuccessSuite : public SuiteWithOptions<SuccessOptions> {
   void prepare(const RunContext& context) override {
     robot_ = loadRobot(context.share_dir + "/urdf/frugal_bot.urdf");
     params_ = loadCameraStack(context.share_dir);
+    params_.planner.halt_width_factor = options_.halt_width;
     textures_ = readTextures(context.share_dir + "/worlds/textures");
     if (!options_.pictures.empty()) std::filesystem::create_directories(options_.pictures);
     cv::setNumThreads(1);  // the trials are what runs in parallel

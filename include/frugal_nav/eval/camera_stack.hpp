@@ -99,7 +99,7 @@ class CameraStack {
   };
   CameraResult look(const Picture& picture);
   void takeEffect(CameraResult result);
-  void observe(const Eigen::Vector2d& p_odom, Stamp stamp);
+  void cycle(Stamp stamp);
   void passGoal();
 
   Pinhole camera_;
@@ -116,7 +116,6 @@ class CameraStack {
   Odometry odometry_;
   std::deque<Picture> pictures_;
   std::deque<CameraResult> pending_;
-  std::optional<Eigen::Vector2d> person_;
   std::optional<NearestObstacle> nearest_;
   std::optional<CameraResult> last_;
   BaseCommand command_;
