@@ -56,11 +56,12 @@ void addContacts(const std::vector<sim::Contact>& contacts, const StandWatch& st
   }
 }
 
-void sample(const sim::Simulator& simulator, const CameraDriver& driver, CameraDriveRecord& record) {
+void sample(const sim::Simulator& simulator, const CameraLayout& layout, const CameraDriver& driver,
+            CameraDriveRecord& record) {
   const Pose2 truth = simulator.groundTruth().world_from_base;
   if (!record.truth.empty()) record.length_m += distance(record.truth.back(), truth);
   record.truth.push_back(truth);
-  record.believed.push_back(driver.odometry());
+  record.believed.push_back(layout.start * driver.odometry());
   const auto& people = simulator.scene().people;
   if (people.size() > kWalker) {
     const double now_s = toSeconds(simulator.stamp() - sim::kStartTime);
@@ -85,7 +86,7 @@ CameraDriveRecord driveCamera(sim::Simulator& simulator, const CameraLayout& lay
     if (output.image) driver.addImage(*output.image);
     if (output.ticks) simulator.setCommand(driver.addTicks(*output.ticks));
     if ((output.stamp - begin) % kSamplePeriod == Duration::zero()) {
-      sample(simulator, driver, record);
+      sample(simulator, layout, driver, record);
       walker.update(truth.world_from_base, speed_mps, simulator);
     }
     record.reason = driver.abortReason();
@@ -99,7 +100,7 @@ CameraDriveRecord driveCamera(sim::Simulator& simulator, const CameraLayout& lay
       continue;
     break;
   }
-  sample(simulator, driver, record);
+  sample(simulator, layout, driver, record);
   if (record.reason.empty()) record.reason = driver.activity();
   record.time_s = toSeconds(simulator.stamp() - begin);
   record.goal_error_m = (record.truth.back().position() - layout.p_stand_off).norm();

@@ -47,9 +47,9 @@ struct CameraDriveRecord {
   int walked_into = 0;  ///< those of the walker's making: the robot had stood for a second
   double time_s = 0.0;
   double length_m = 0.0;
-  double goal_error_m = 0.0;  ///< from where it stopped to the stand-off point
-  std::vector<Pose2> truth;   ///< ten a second
-  std::vector<Pose2> believed;
+  double goal_error_m = 0.0;            ///< from where it stopped to the stand-off point
+  std::vector<Pose2> truth;             ///< in the world, ten a second
+  std::vector<Pose2> believed;          ///< likewise
   std::vector<Eigen::Vector2d> walker;  ///< where the walker was, as often
 };
 

@@ -75,7 +75,7 @@ cv::Mat drawPlan(const CameraLayout& layout, const CameraDriveRecord& record, co
   for (const Solid& solid : layout.obstacles) plan.fill(solid, cv::Scalar(90, 90, 90));
   for (const Eigen::Vector2d& p : driver.remembered()) plan.circle(layout.start * p, 0.02, kRed, cv::FILLED);
   plan.line(record.truth, {}, kGreen);
-  plan.line(record.believed, layout.start, kBlue, 1);
+  plan.line(record.believed, {}, kBlue, 1);
   plan.line(driver.path(), layout.start, kMagenta, 1);
   for (std::size_t i = 0; i < record.walker.size(); i += 5) plan.circle(record.walker[i], 0.03, kOrange, 1);
   if (!record.walker.empty()) plan.circle(record.walker.back(), 0.22, kOrange, 2);
