@@ -9,6 +9,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kHiddenSigma = 0.3F;  // of a depth that is known to be below one value only
 
 /// Rows of a column that are no floor and low enough for the robot, with their inverse depths.
 struct Pixel {
@@ -29,12 +30,25 @@ std::vector<Pixel> obstaclePixels(int column, const cv::Mat& inverse, const Floo
   return pixels;
 }
 
-/// The third nearest of a column: one or two pixels are noise, or another surface's edge.
-Pixel nearestOf(std::vector<Pixel>& pixels) {
-  const std::size_t rank = std::min<std::size_t>(2, pixels.size() - 1);
+/// The pixel whose inverse depth has that rank among a column's, the nearest first.
+Pixel ranked(std::vector<Pixel> pixels, std::size_t rank) {
+  rank = std::min(rank, pixels.size() - 1);
   std::nth_element(pixels.begin(), pixels.begin() + static_cast<std::ptrdiff_t>(rank), pixels.end(),
                    [](const Pixel& a, const Pixel& b) { return a.inverse > b.inverse; });
   return pixels[rank];
+}
+
+/// The nearest of a column, lowest pixel first: one or two pixels are noise, or another surface's edge. Where
+/// a thing stands on the floor it is what lies right above its foot, unless something hangs over well nearer.
+Pixel nearestOf(const std::vector<Pixel>& pixels, bool has_foot) {
+  const Pixel nearest = ranked(pixels, 2);
+  constexpr std::size_t kFoot = 7;
+  if (!has_foot || pixels.size() < 3) return nearest;
+  const std::vector<Pixel> low(pixels.begin(),
+                               pixels.begin() + static_cast<std::ptrdiff_t>(std::min(kFoot, pixels.size())));
+  const Pixel foot = ranked(low, low.size() / 2);
+  constexpr float kOverhang = 1.35F;
+  return nearest.inverse > kOverhang * foot.inverse ? nearest : foot;
 }
 
 int topOf(int column, const Pixel& pixel, const cv::Mat& inverse) {
@@ -42,6 +56,46 @@ int topOf(int column, const Pixel& pixel, const cv::Mat& inverse) {
   int top = pixel.row;
   while (top > 0 && std::abs(inverse.at<float>(top - 1, column) / pixel.inverse - 1.0F) < kSameSurface) --top;
   return top;
+}
+
+/// Depth at which the floor line puts a column: infinite where the floor runs on.
+float footDepth(const FloorContact& contact) {
+  return contact.state == FloorContact::State::kContact ? static_cast<float>(contact.depth_m) : kInfinity;
+}
+
+/// The network blurs the edges of near things over what lies behind them: columns beside one, nearer than
+/// their own foot, hang in the air between the two. Their foot tells, or nothing does.
+void dropFlying(const std::vector<FloorContact>& contacts, const ViewRays& rays, int reach,
+                std::vector<ColumnSurface>& surfaces) {
+  constexpr float kBehind = 1.15F;
+  constexpr float kBeforeFoot = 0.9F;
+  const std::vector<ColumnSurface> seen = surfaces;
+  const int count = static_cast<int>(seen.size());
+  for (int column = 0; column < count; ++column) {
+    ColumnSurface& surface = surfaces[static_cast<std::size_t>(column)];
+    const FloorContact& contact = contacts[static_cast<std::size_t>(column)];
+    const bool has_foot = contact.state != FloorContact::State::kHidden;
+    if (surface.state != ColumnSurface::State::kHit) continue;
+    if (!has_foot || surface.depth_m > kBeforeFoot * footDepth(contact)) continue;
+    bool is_beside_nearer = false;
+    for (int k = std::max(0, column - reach); k <= std::min(count - 1, column + reach); ++k) {
+      const ColumnSurface& other = seen[static_cast<std::size_t>(k)];
+      const FloorContact& foot = contacts[static_cast<std::size_t>(k)];
+      const bool stands =
+          foot.state == FloorContact::State::kHidden || footDepth(foot) < kBehind * other.depth_m;
+      is_beside_nearer = is_beside_nearer || (other.state == ColumnSurface::State::kHit && stands &&
+                                              kBehind * other.depth_m < footDepth(contact));
+    }
+    if (!is_beside_nearer) continue;
+    if (contact.state != FloorContact::State::kContact) {
+      surface.state = ColumnSurface::State::kUnknown;
+      continue;
+    }
+    surface.row = contact.row;
+    surface.depth_m = footDepth(contact);
+    surface.relative_sigma = static_cast<float>(contact.sigma_m / contact.depth_m);
+    surface.p_base = rays.point(surface.row, column, surface.depth_m).head<2>();
+  }
 }
 
 struct Sector {
@@ -96,7 +150,7 @@ std::vector<ColumnSurface> findSurfaces(const cv::Mat& inverse_depth_pm, const c
                           : ColumnSurface::State::kFree;
     }
     if (pixels.size() >= 2) {
-      const Pixel nearest = nearestOf(pixels);
+      const Pixel nearest = nearestOf(pixels, has_line);
       surface.state = ColumnSurface::State::kHit;
       surface.row = nearest.row;
       surface.depth_m = 1.0F / nearest.inverse;
@@ -112,10 +166,20 @@ std::vector<ColumnSurface> findSurfaces(const cv::Mat& inverse_depth_pm, const c
       surface.depth_m = static_cast<float>(contact.depth_m);
       surface.relative_sigma = static_cast<float>(contact.sigma_m / contact.depth_m);
     }
+    // Nor is what hides the floor at the image's lower edge farther than that floor.
+    const float lowest_pm = rays.inverseFloorDepth(rays.grid().height - 1, column);
+    if (contact.state == FloorContact::State::kHidden && lowest_pm > 0.0F &&
+        (surface.state != ColumnSurface::State::kHit || surface.depth_m * lowest_pm > 1.0F)) {
+      surface.state = ColumnSurface::State::kHit;
+      surface.row = surface.top_row = rays.grid().height - 1;
+      surface.depth_m = 1.0F / lowest_pm;
+      surface.relative_sigma = kHiddenSigma;
+    }
     if (surface.state == ColumnSurface::State::kHit)
       surface.p_base = rays.point(surface.row, column, surface.depth_m).head<2>();
     surfaces.push_back(surface);
   }
+  dropFlying(contacts, rays, cvRound(params.blur_width * rays.grid().width), surfaces);
   return surfaces;
 }
 

@@ -102,10 +102,11 @@ cv::Mat correctDepth(const cv::Mat& inverse_depth_pm, const std::vector<DepthAnc
     if (row < 0 || row >= inverse_depth_pm.rows || column < 0 || column >= inverse_depth_pm.cols) continue;
     const float fitted = inverse_depth_pm.at<float>(row, column);
     const double ratio = std::log(anchor.inverse_depth_pm / std::max(fitted, kLeast_pm));
-    if (!(std::abs(ratio) < params.gate)) continue;
+    if (!(std::abs(ratio) < anchor.gate)) continue;
     const double variance = anchor.relative_sigma * anchor.relative_sigma + 1e-4;
+    const double trust = 1.0 / (1.0 + std::pow(ratio / std::max(params.doubt, 0.5 * anchor.gate), 2));
     // Weights are in units of the prior's: one for an anchor no better than the network.
-    grid.add(anchor.cell.x, anchor.cell.y, fitted, static_cast<float>(1.0 / variance / prior),
+    grid.add(anchor.cell.x, anchor.cell.y, fitted, static_cast<float>(trust / variance / prior),
              static_cast<float>(ratio));
   }
   for (int i = 0; i < params.blur_rounds; ++i) grid.blur();

@@ -47,11 +47,13 @@ struct DepthGap::Impl {
       : params(validated(p, "depth_gap")),
         network(std::move(depth_network)),
         floor(p.floor),
+        memory(p.memory),
         filter(p.fit),
         motion(p.obstacle) {}
 
   void reset() {
     floor.reset();
+    memory.reset();
     filter.reset();
     motion.reset();
     last_stamp.reset();
@@ -88,7 +90,15 @@ struct DepthGap::Impl {
     return cv::max(cv::Mat(fit.a * inverse + fit.b), kLeastInverse_pm);
   }
 
-  void fitMetres(const DepthView& view, const cv::Mat& colour_mask, DepthFrame& frame) {
+  /// The fitted inverse depth, mended by what is remembered of feet that are out of view.
+  cv::Mat reminded(const cv::Mat& inverse, const MetricFit& fit,
+                   const std::vector<DepthAnchor>& remembered) const {
+    const cv::Mat fitted = fittedInverse(inverse, fit);
+    return fitted.empty() || remembered.empty() ? fitted
+                                                : correctDepth(fitted, remembered, params.correction);
+  }
+
+  void fitMetres(const DepthView& view, const cv::Mat& floor_mask, DepthFrame& frame) {
     if (params.method == "unscaled") {
       frame.fit.known = true;
       frame.fit.a = params.unscaled_factor_pm;
@@ -96,19 +106,33 @@ struct DepthGap::Impl {
     }
     std::vector<MetricSample> samples = voSamples(view, *rays, frame.inverse, params.vo_scale_sigma);
     if (params.method == "fused") {
-      append(floorSamples(colour_mask, *rays, frame.inverse, params.contact.pitch_sigma_rad), samples);
+      append(floorSamples(floor_mask, *rays, frame.inverse, params.contact.pitch_sigma_rad), samples);
       append(goalSamples(view, *rays, frame.inverse, params.min_goal_sigma), samples);
     }
     frame.fit = filter.update(view.stamp, samples);
   }
 
+  /// Where the floor is by the last scale alone; empty while there is none.
+  cv::Mat likelyFloor(const cv::Mat& expected) const {
+    if (expected.empty()) return {};
+    return floorOf(findFloorContacts({}, expected, *rays, params.contact), *rays);
+  }
+
+  /// What the colour calls floor, without what stands on it by the last scale.
+  cv::Mat floorBefore(const cv::Mat& colour_mask, const cv::Mat& expected) const {
+    if (expected.empty()) return colour_mask;
+    return colour_mask & floorOf(findFloorContacts(colour_mask, expected, *rays, params.contact), *rays);
+  }
+
   /// Mends the fitted depth by all that is known in metres, and says how sure it then is.
-  cv::Mat mend(const DepthView& view, const cv::Mat& fitted, const DepthFrame& frame, cv::Mat& sigma) const {
+  cv::Mat mend(const DepthView& view, const cv::Mat& fitted, const DepthFrame& frame,
+               const std::vector<DepthAnchor>& remembered, cv::Mat& sigma) const {
     const double network_sigma = params.correction.network_sigma;
     sigma = cv::Mat(fitted.size(), CV_32FC1, cv::Scalar(network_sigma));
     if (fitted.empty() || params.method != "fused") return fitted;
     std::vector<DepthAnchor> anchors = voAnchors(view, *rays, params.vo_scale_sigma);
     append(contactAnchors(frame.contacts, *rays), anchors);
+    append(remembered, anchors);
     cv::Mat weight;
     cv::Mat mended = correctDepth(fitted, anchors, params.correction, &weight);
     cv::Mat share;
@@ -139,8 +163,7 @@ struct DepthGap::Impl {
     std::vector<SeenObstacle> seen = joinColumns(frame.surfaces, p_base_goal, params.obstacle);
     const std::vector<Eigen::Vector2d> velocities = motion.update(view.stamp, view.odom_from_base, seen);
     if (seen.empty() || seen.front().distance_m > params.scan.max_range_m) {
-      obstacle.reason = frame.depth_m.empty() && seen.empty() ? "no metric scale is known yet"
-                                                              : "nothing stands within range";
+      if (frame.depth_m.empty() && seen.empty()) obstacle.reason = "no metric scale is known yet";
       return obstacle;
     }
     const SeenObstacle& first = seen.front();
@@ -195,17 +218,20 @@ struct DepthGap::Impl {
   DepthFrame understand(const DepthView& view, DepthFrame frame) {
     cv::Mat small;
     cv::resize(view.bgr, small, rays->grid(), 0.0, 0.0, cv::INTER_AREA);
-    const bool strip_is_floor = stripIsFloor(fittedInverse(frame.inverse, filter.fit()), *rays, params.floor);
-    const cv::Mat colour_mask = floor.find(small, *rays, strip_is_floor);
-    fitMetres(view, colour_mask, frame);
-    const cv::Mat fitted = fittedInverse(frame.inverse, frame.fit);
     const bool use_geometry = params.method == "fused";
+    const std::vector<DepthAnchor> remembered =
+        use_geometry ? memory.recall(view.stamp, view.odom_from_base, *rays) : std::vector<DepthAnchor>();
+    const cv::Mat expected = use_geometry ? reminded(frame.inverse, filter.fit(), remembered) : cv::Mat();
+    const cv::Mat colour_mask = floor.find(small, *rays, likelyFloor(expected));
+    fitMetres(view, floorBefore(colour_mask, expected), frame);
+    const cv::Mat fitted = fittedInverse(frame.inverse, frame.fit);
     frame.contacts = findFloorContacts(colour_mask, use_geometry ? fitted : cv::Mat(), *rays, params.contact);
     refineContacts(view.bgr, *rays, params.contact, frame.contacts);
     frame.floor = floorOf(frame.contacts, *rays);
     cv::Mat sigma;
-    const cv::Mat mended = mend(view, fitted, frame, sigma);
+    const cv::Mat mended = mend(view, fitted, frame, remembered, sigma);
     if (!mended.empty()) frame.depth_m = depthOf(mended, frame);
+    if (use_geometry) memory.update(view.stamp, view.odom_from_base, *rays, frame.contacts);
     frame.surfaces = findSurfaces(mended, sigma, frame.contacts, *rays, params.scan);
     frame.scan = scanOf(frame.surfaces, *rays, view.stamp, params.scan);
     frame.profile = profileColumns(frame.inverse, frame.floor, *rays, params.floor.horizon_margin_rad);
@@ -219,6 +245,7 @@ struct DepthGap::Impl {
   DepthGapParams params;
   std::unique_ptr<DepthNetwork> network;
   FloorMask floor;
+  ContactMemory memory;
   MetricFilter filter;
   ObstacleMotion motion;
   std::unique_ptr<ViewRays> rays;

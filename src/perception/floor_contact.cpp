@@ -31,7 +31,7 @@ Column columnOf(int column, const cv::Mat& colour_mask, const cv::Mat& inverse, 
   const int first = rays.firstRowBelowHorizon(column, params.horizon_margin_rad);
   for (int row = rays.grid().height - 1; row >= first; --row) {
     c.floor.push_back(rays.inverseFloorDepth(row, column));
-    c.is_floor.push_back(colour_mask.at<uchar>(row, column));
+    if (!colour_mask.empty()) c.is_floor.push_back(colour_mask.at<uchar>(row, column));
     c.height_by_depth.push_back(rays.ray(row, column).z());
     if (!inverse.empty()) c.fitted.push_back(inverse.at<float>(row, column));
   }
@@ -42,16 +42,14 @@ class Line {
  public:
   Line(const Column& column, const FloorContactParams& params) : c_(column), params_(params) {
     const double cap = params.truncation * params.truncation;
-    neutral_ = c_.fitted.empty() ? 0.0 : 0.5 * cap;
+    neutral_ = (c_.fitted.empty() ? 0.0 : 0.5 * cap) + (c_.is_floor.empty() ? 0.0 : 0.5 * params.colour_cost);
   }
 
   /// Cost of a row as floor.
-  double asFloor(std::size_t i) const {
-    return geometry(i, c_.floor[i]) + (c_.is_floor[i] != 0 ? 0.0 : params_.colour_cost);
-  }
+  double asFloor(std::size_t i) const { return geometry(i, c_.floor[i]) + colour(i, true); }
   /// Cost of a row as part of a thing at an inverse depth.
   double asThing(std::size_t i, float inverse_depth) const {
-    return geometry(i, inverse_depth) + (c_.is_floor[i] != 0 ? params_.colour_cost : 0.0);
+    return geometry(i, inverse_depth) + colour(i, false);
   }
 
   /// Cost of the rows from `line` up as a thing that stands there; above its height nothing is said.
@@ -61,17 +59,22 @@ class Line {
       // At least three rows, else a far thing would need none.
       const bool within =
           i < line + 3 || c_.heightAt(i, inverse_depth) < static_cast<float>(params_.stand_height_m);
-      cost += within ? asThing(i, inverse_depth) : neutral_ + 0.5 * params_.colour_cost;
+      cost += within ? asThing(i, inverse_depth) : neutral_;
     }
     return cost;
   }
 
   double edgeBonus(std::size_t line) const {
-    const bool is_edge = line > 0 && c_.is_floor[line - 1] != 0 && c_.is_floor[line] == 0;
+    const bool is_edge =
+        !c_.is_floor.empty() && line > 0 && c_.is_floor[line - 1] != 0 && c_.is_floor[line] == 0;
     return is_edge ? params_.edge_bonus : 0.0;
   }
 
  private:
+  double colour(std::size_t i, bool expects_floor) const {
+    if (c_.is_floor.empty()) return 0.0;
+    return (c_.is_floor[i] != 0) == expects_floor ? 0.0 : params_.colour_cost;
+  }
   double geometry(std::size_t i, float expected) const {
     if (c_.fitted.empty()) return 0.0;
     const double r =
@@ -84,13 +87,19 @@ class Line {
   double neutral_ = 0.0;
 };
 
-/// Inverse depth of what fills the bottom rows, nearer than the floor there; 0 when nothing does.
+/// Inverse depth of what fills the bottom rows, nearer than the floor there; 0 when the floor does. What is
+/// not of the floor's colour there stands nearer than the floor that it hides, whatever the network says.
 float hiddenDepth(const Column& c) {
-  if (c.fitted.empty()) return c.is_floor.front() != 0 ? 0.0F : 1.2F * c.floor.front();
   const std::size_t count = std::min<std::size_t>(c.size(), 8);
-  std::vector<float> bottom(c.fitted.begin(), c.fitted.begin() + static_cast<std::ptrdiff_t>(count));
-  std::nth_element(bottom.begin(), bottom.begin() + static_cast<std::ptrdiff_t>(count / 2), bottom.end());
+  const auto end = static_cast<std::ptrdiff_t>(count);
+  const bool is_coloured =
+      !c.is_floor.empty() && 2 * std::count(c.is_floor.begin(), c.is_floor.begin() + end, 0) > end;
+  const float least = 1.05F * c.floor.front();
+  if (c.fitted.empty()) return is_coloured ? least : 0.0F;
+  std::vector<float> bottom(c.fitted.begin(), c.fitted.begin() + end);
+  std::nth_element(bottom.begin(), bottom.begin() + end / 2, bottom.end());
   const float median = bottom[count / 2];
+  if (is_coloured) return std::max(median, least);
   return median > c.floor.front() ? median : 0.0F;
 }
 

@@ -24,10 +24,14 @@ float squaredDistance(const Colour& a, const cv::Vec3f& b) {
 
 Colour toColour(const cv::Vec3f& v) { return {v[0], v[1], v[2]}; }
 
-cv::Rect stripOf(const cv::Size& size, const FloorMaskParams& params) {
+/// Where the floor is looked for: the strip at the bottom, or what is given.
+cv::Mat seedOf(const cv::Size& size, const cv::Mat& likely_floor, const FloorMaskParams& params) {
+  if (!likely_floor.empty()) return likely_floor;
   const int height = std::max(1, cvRound(params.strip_height * size.height));
   const int width = std::max(1, cvRound(params.strip_width * size.width));
-  return {(size.width - width) / 2, size.height - height, width, height};
+  cv::Mat strip = cv::Mat::zeros(size, CV_8UC1);
+  strip(cv::Rect((size.width - width) / 2, size.height - height, width, height)).setTo(255);
+  return strip;
 }
 
 cv::Mat weightedLab(const cv::Mat& small_bgr, double lightness_weight) {
@@ -39,14 +43,16 @@ cv::Mat weightedLab(const cv::Mat& small_bgr, double lightness_weight) {
   return lab;
 }
 
-/// What of the mask is connected to the strip.
-cv::Mat connectedTo(const cv::Rect& strip, const cv::Mat& mask) {
+/// What of the mask is connected to the seed.
+cv::Mat connectedTo(const cv::Mat& seed, const cv::Mat& mask) {
   cv::Mat labels;
   const int count = cv::connectedComponents(mask, labels, 4, CV_32S);
   std::vector<uchar> touches(static_cast<std::size_t>(count), 0);
-  for (int row = strip.y; row < strip.y + strip.height; ++row) {
-    for (int column = strip.x; column < strip.x + strip.width; ++column)
-      touches[static_cast<std::size_t>(labels.at<int>(row, column))] = 255;
+  for (int row = 0; row < mask.rows; ++row) {
+    for (int column = 0; column < mask.cols; ++column) {
+      if (seed.at<uchar>(row, column) != 0)
+        touches[static_cast<std::size_t>(labels.at<int>(row, column))] = 255;
+    }
   }
   touches[0] = 0;
   cv::Mat connected(mask.size(), CV_8UC1);
@@ -61,20 +67,20 @@ cv::Mat connectedTo(const cv::Rect& strip, const cv::Mat& mask) {
 
 FloorMask::FloorMask(const FloorMaskParams& params) : params_(validated(params, "floor mask")) {}
 
-FloorMask::Centres FloorMask::cluster(const cv::Mat& lab, const ViewRays& rays) const {
+FloorMask::Centres FloorMask::cluster(const cv::Mat& lab, const cv::Mat& seed, const ViewRays& rays) const {
   std::vector<cv::Vec3f> pixels;
   for (int column = 0; column < lab.cols; column += params_.step_px) {
     const int first = rays.firstRowBelowHorizon(column, params_.horizon_margin_rad);
     for (int row = lab.rows - 1; row >= first; row -= params_.step_px)
       pixels.push_back(lab.at<cv::Vec3f>(row, column));
   }
-  const cv::Scalar strip_mean = cv::mean(lab(stripOf(lab.size(), params_)));
+  const cv::Scalar seed_mean = cv::mean(lab, seed);
   Centres centres;
   if (centres_) {
     centres = *centres_;
-  } else {  // the strip's colour, and the one least like it
-    centres[0] = {static_cast<float>(strip_mean[0]), static_cast<float>(strip_mean[1]),
-                  static_cast<float>(strip_mean[2])};
+  } else {  // the seed's colour, and the one least like it
+    centres[0] = {static_cast<float>(seed_mean[0]), static_cast<float>(seed_mean[1]),
+                  static_cast<float>(seed_mean[2])};
     const auto farthest =
         std::max_element(pixels.begin(), pixels.end(), [&](const cv::Vec3f& a, const cv::Vec3f& b) {
           return squaredDistance(centres[0], a) < squaredDistance(centres[0], b);
@@ -102,32 +108,30 @@ bool FloorMask::areOne(const Centres& centres) const {
          static_cast<float>(params_.same_colour * params_.same_colour);
 }
 
-cv::Mat FloorMask::find(const cv::Mat& small_bgr, const ViewRays& rays, bool strip_is_floor) {
+cv::Mat FloorMask::find(const cv::Mat& small_bgr, const ViewRays& rays, const cv::Mat& likely_floor) {
   const cv::Mat lab = weightedLab(small_bgr, params_.lightness_weight);
-  Centres centres = cluster(lab, rays);
-  const cv::Rect strip = stripOf(lab.size(), params_);
-  if (strip_is_floor || !centres_) {
-    int votes = 0;
-    for (int row = strip.y; row < strip.y + strip.height; ++row) {
-      for (int column = strip.x; column < strip.x + strip.width; ++column) {
-        const auto& pixel = lab.at<cv::Vec3f>(row, column);
-        votes += squaredDistance(centres[0], pixel) <= squaredDistance(centres[1], pixel) ? 1 : -1;
-      }
-    }
-    if (votes < 0) std::swap(centres[0], centres[1]);
-  }
+  const cv::Mat seed = seedOf(lab.size(), likely_floor, params_);
+  Centres centres = cluster(lab, seed, rays);
   const bool are_one = areOne(centres);
   cv::Mat mask = cv::Mat::zeros(lab.size(), CV_8UC1);
+  int votes = 0;
   for (int column = 0; column < lab.cols; ++column) {
     for (int row = rays.firstRowBelowHorizon(column, params_.horizon_margin_rad); row < lab.rows; ++row) {
       const auto& pixel = lab.at<cv::Vec3f>(row, column);
-      const bool is_floor =
-          are_one || squaredDistance(centres[0], pixel) <= squaredDistance(centres[1], pixel);
-      mask.at<uchar>(row, column) = is_floor ? 255 : 0;
+      const bool is_first = squaredDistance(centres[0], pixel) <= squaredDistance(centres[1], pixel);
+      if (seed.at<uchar>(row, column) != 0) votes += is_first ? 1 : -1;
+      mask.at<uchar>(row, column) = is_first || are_one ? 255 : 0;
+    }
+  }
+  if (votes < 0 && !are_one) {  // the other cluster is the floor
+    std::swap(centres[0], centres[1]);
+    for (int column = 0; column < lab.cols; ++column) {
+      for (int row = rays.firstRowBelowHorizon(column, params_.horizon_margin_rad); row < lab.rows; ++row)
+        mask.at<uchar>(row, column) = static_cast<uchar>(255 - mask.at<uchar>(row, column));
     }
   }
   centres_ = centres;
-  return strip_is_floor ? connectedTo(strip, mask) : mask;
+  return cv::countNonZero(seed) > 0 ? connectedTo(seed, mask) : mask;
 }
 
 }  // namespace frugal_nav

@@ -9,6 +9,9 @@ namespace {
 
 constexpr double kNearest_m = 0.1;
 constexpr double kFarthest_m = 20.0;
+// How far a fitted depth may be off (logarithm): features at an edge often belong to what is behind it.
+constexpr double kVoGate = 0.4;
+constexpr double kContactGate = 0.6;
 
 /// The value of the cell that holds a place.
 std::optional<float> sampleAt(const cv::Mat& map, const Eigen::Vector2d& cell) {
@@ -59,7 +62,7 @@ std::vector<MetricSample> voSamples(const DepthView& view, const ViewRays& rays,
   return samples;
 }
 
-std::vector<MetricSample> floorSamples(const cv::Mat& colour_mask, const ViewRays& rays,
+std::vector<MetricSample> floorSamples(const cv::Mat& floor_mask, const ViewRays& rays,
                                        const cv::Mat& inverse, double pitch_sigma_rad) {
   constexpr int kStep = 4;
   constexpr double kFarthestFloor_m = 6.0;
@@ -68,7 +71,7 @@ std::vector<MetricSample> floorSamples(const cv::Mat& colour_mask, const ViewRay
   for (int row = inverse.rows - 1; row >= 0; row -= kStep) {
     for (int column = kStep / 2; column < inverse.cols; column += kStep) {
       const auto floor_pm = static_cast<double>(rays.inverseFloorDepth(row, column));
-      if (colour_mask.at<uchar>(row, column) == 0 || !(floor_pm * kFarthestFloor_m > 1.0)) continue;
+      if (floor_mask.at<uchar>(row, column) == 0 || !(floor_pm * kFarthestFloor_m > 1.0)) continue;
       samples.push_back({static_cast<double>(inverse.at<float>(row, column)), floor_pm, sigma, Cue::kFloor});
     }
   }
@@ -92,7 +95,7 @@ std::vector<DepthAnchor> voAnchors(const DepthView& view, const ViewRays& rays, 
   std::vector<DepthAnchor> anchors;
   for (const KnownDepth& known : voDepths(view, rays, scale_sigma)) {
     anchors.push_back({cv::Point2f(static_cast<float>(known.cell.x()), static_cast<float>(known.cell.y())),
-                       1.0 / known.depth_m, known.sigma_m / known.depth_m});
+                       1.0 / known.depth_m, known.sigma_m / known.depth_m, kVoGate});
   }
   return anchors;
 }
@@ -108,23 +111,10 @@ std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contact
     for (int row = contact.row - kSkip; row >= 0; row -= 2) {
       if (row < contact.row - 6 && rays.heightAt(row, column, depth) > kFoot_m) break;
       anchors.push_back({cv::Point2f(static_cast<float>(column), static_cast<float>(row)),
-                         1.0 / contact.depth_m, contact.sigma_m / contact.depth_m});
+                         1.0 / contact.depth_m, contact.sigma_m / contact.depth_m, kContactGate});
     }
   }
   return anchors;
-}
-
-bool stripIsFloor(const cv::Mat& fitted, const ViewRays& rays, const FloorMaskParams& params) {
-  if (fitted.empty()) return true;
-  constexpr float kNearer = 1.35F;
-  const int first_row = cvRound((1.0 - params.strip_height) * fitted.rows);
-  const int margin = cvRound(0.5 * (1.0 - params.strip_width) * fitted.cols);
-  int votes = 0;
-  for (int row = first_row; row < fitted.rows; ++row) {
-    for (int column = margin; column < fitted.cols - margin; ++column)
-      votes += fitted.at<float>(row, column) < kNearer * rays.inverseFloorDepth(row, column) ? 1 : -1;
-  }
-  return votes >= 0;
 }
 
 std::string mainCue(const SeenObstacle& seen, const NearestObstacle& obstacle, const DepthView& view,

@@ -28,7 +28,7 @@ std::vector<MetricSample> voSamples(const DepthView& view, const ViewRays& rays,
                                     double scale_sigma);
 
 /// Floor: camera height and pitch give its depth without motion or texture.
-std::vector<MetricSample> floorSamples(const cv::Mat& colour_mask, const ViewRays& rays,
+std::vector<MetricSample> floorSamples(const cv::Mat& floor_mask, const ViewRays& rays,
                                        const cv::Mat& inverse, double pitch_sigma_rad);
 
 /// The goal's head, whose size told its distance.
@@ -39,9 +39,6 @@ std::vector<DepthAnchor> voAnchors(const DepthView& view, const ViewRays& rays, 
 
 /// The upright foot of what stands on the floor.
 std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contacts, const ViewRays& rays);
-
-/// Whether the strip at the bottom shows the floor, by the fitted inverse depth; true while that is unknown.
-bool stripIsFloor(const cv::Mat& fitted, const ViewRays& rays, const FloorMaskParams& params);
 
 /// The cue that an obstacle's distance rests on most.
 std::string mainCue(const SeenObstacle& seen, const NearestObstacle& obstacle, const DepthView& view,

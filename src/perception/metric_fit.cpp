@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/LU>
+#include <Eigen/Dense>
 
 #include <frugal_nav/perception/metric_fit.hpp>
 
@@ -13,27 +13,38 @@ namespace {
 
 constexpr double kOutlier = 3.0;  // sigmas from which a sample does not agree
 
+double medianOf(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// Samples with the weight of their cue: many of one cue share the network's error.
 struct Weighted {
   const MetricSample* sample;
-  double sigma;
   double weight;  // 1 for an independent sample
 };
 
-double residualSigma(const MetricSample& sample, const MetricFitParams& params) {
-  return std::hypot(sample.sigma_pm,
-                    params.network_sigma * sample.inverse_depth_pm + params.network_floor_pm);
-}
+/// The fit turned about: z = alpha / depth + beta. The network is the noisy one of the two, and a regression
+/// on what is noisy would flatten the slope (errors in variables).
+struct Line {
+  double alpha = 0.0;
+  double beta = 0.0;
+
+  double at(double inverse_depth_pm) const { return alpha * inverse_depth_pm + beta; }
+  bool isSound() const { return alpha > 0.0 && std::isfinite(alpha) && std::isfinite(beta); }
+};
 
 std::vector<Weighted> weigh(const std::vector<MetricSample>& samples, const MetricFitParams& params) {
   std::array<int, 3> counts{};
   std::vector<Weighted> weighted;
   for (const MetricSample& sample : samples) {
     if (!std::isfinite(sample.z) || !std::isfinite(sample.inverse_depth_pm) ||
-        !(sample.inverse_depth_pm > 0.0))
+        !(sample.inverse_depth_pm > 0.0) || !(sample.sigma_pm >= 0.0))
       continue;
     ++counts[static_cast<std::size_t>(sample.cue)];
-    weighted.push_back({&sample, residualSigma(sample, params), 1.0});
+    weighted.push_back({&sample, 1.0});
   }
   for (Weighted& w : weighted) {
     const int count = counts[static_cast<std::size_t>(w.sample->cue)];
@@ -42,85 +53,102 @@ std::vector<Weighted> weigh(const std::vector<MetricSample>& samples, const Metr
   return weighted;
 }
 
-double residual(const Weighted& w, double a, double b) {
-  return (w.sample->inverse_depth_pm - a * w.sample->z - b) / w.sigma;
+/// Standard deviation of z about a line: the network's and the sample's errors.
+double sigmaOf(const MetricSample& sample, const Line& line, const MetricFitParams& params) {
+  const double network = params.network_sigma * sample.inverse_depth_pm + params.network_floor_pm;
+  return line.alpha * std::hypot(network, sample.sigma_pm);
 }
 
-/// Cost of a hypothesis: squares, cut off where a sample disagrees (MSAC).
-double costOf(const std::vector<Weighted>& weighted, double a, double b) {
-  double cost = 0.0;
+double residual(const Weighted& w, const Line& line, const MetricFitParams& params) {
+  return (w.sample->z - line.at(w.sample->inverse_depth_pm)) / sigmaOf(*w.sample, line, params);
+}
+
+/// Standard deviation of the shift b before anything is seen [1/m].
+double shiftSigma(const std::vector<Weighted>& weighted, const MetricFitParams& params) {
+  std::vector<double> inverse;
+  for (const Weighted& w : weighted) inverse.push_back(w.sample->inverse_depth_pm);
+  return params.shift_share * medianOf(inverse);
+}
+
+/// Cost of a hypothesis: squares, cut off where a sample disagrees (MSAC), and its shift.
+double costOf(const std::vector<Weighted>& weighted, const Line& line, double shift_sigma,
+              const MetricFitParams& params) {
+  double cost = std::pow(line.beta / (line.alpha * shift_sigma), 2);
   for (const Weighted& w : weighted) {
-    const double r = residual(w, a, b);
+    const double r = residual(w, line, params);
     cost += w.weight * std::min(r * r, kOutlier * kOutlier);
   }
   return cost;
 }
 
-struct Line {
-  double a = 0.0;
-  double b = 0.0;
-  double cost = std::numeric_limits<double>::infinity();
-};
-
-void consider(double a, double b, const std::vector<Weighted>& weighted, Line& best) {
-  if (!(a > 0.0) || !std::isfinite(a) || !std::isfinite(b)) return;
-  const double cost = costOf(weighted, a, b);
-  if (cost < best.cost) best = {a, b, cost};
-}
-
-Line firstGuess(const std::vector<Weighted>& weighted, const MetricFitParams& params,
-                const std::optional<MetricFit>& guess, Random& random) {
-  Line best;
-  if (guess && guess->known) consider(guess->a, guess->b, weighted, best);
+std::optional<Line> firstGuess(const std::vector<Weighted>& weighted, const MetricFitParams& params,
+                               const std::optional<MetricFit>& guess, Random& random) {
+  const double shift_sigma = shiftSigma(weighted, params);
+  std::optional<Line> best;
+  double least = std::numeric_limits<double>::infinity();
+  const auto consider = [&](const Line& line) {
+    if (!line.isSound()) return;
+    const double cost = costOf(weighted, line, shift_sigma, params);
+    if (cost < least) {
+      least = cost;
+      best = line;
+    }
+  };
+  if (guess && guess->known) consider({1.0 / guess->a, -guess->b / guess->a});
   const int last = static_cast<int>(weighted.size()) - 1;
   for (int i = 0; i < params.hypotheses; ++i) {
     const MetricSample& p = *weighted[static_cast<std::size_t>(random.integer(0, last))].sample;
     const MetricSample& q = *weighted[static_cast<std::size_t>(random.integer(0, last))].sample;
-    if (p.z > 0.0) consider(p.inverse_depth_pm / p.z, 0.0, weighted, best);
-    if (std::abs(q.z - p.z) < 1e-9) continue;
-    const double a = (q.inverse_depth_pm - p.inverse_depth_pm) / (q.z - p.z);
-    consider(a, p.inverse_depth_pm - a * p.z, weighted, best);
+    consider({p.z / p.inverse_depth_pm, 0.0});
+    if (std::abs(q.inverse_depth_pm - p.inverse_depth_pm) < 1e-9) continue;
+    const double alpha = (q.z - p.z) / (q.inverse_depth_pm - p.inverse_depth_pm);
+    consider({alpha, p.z - alpha * p.inverse_depth_pm});
   }
   return best;
 }
 
-/// One round of reweighted least squares from (a, b); `information` is left with the inverse covariance.
-Eigen::Vector2d refine(const std::vector<Weighted>& weighted, const MetricFitParams& params,
-                       const Eigen::Vector2d& ab, Eigen::Matrix2d& information) {
-  const double shift_sigma = params.network_sigma + params.network_floor_pm;
+/// One round of reweighted least squares; `information` is left with that of (alpha, beta).
+Line refine(const std::vector<Weighted>& weighted, const MetricFitParams& params, const Line& line,
+            Eigen::Matrix2d& information) {
+  const double beta_sigma = line.alpha * shiftSigma(weighted, params);
   information.setZero();
-  information(1, 1) = params.scale_prior / (shift_sigma * shift_sigma);
+  information(1, 1) = 1.0 / (beta_sigma * beta_sigma);
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
   for (const Weighted& w : weighted) {
-    const double r = std::abs(residual(w, ab(0), ab(1)));
+    const double r = std::abs(residual(w, line, params));
     if (r > 2.0 * kOutlier) continue;
     const double huber = r <= params.huber ? 1.0 : params.huber / r;
-    const double weight = w.weight * huber / (w.sigma * w.sigma);
-    const Eigen::Vector2d row(w.sample->z, 1.0);
+    const double sigma = sigmaOf(*w.sample, line, params);
+    const double weight = w.weight * huber / (sigma * sigma);
+    const Eigen::Vector2d row(w.sample->inverse_depth_pm, 1.0);
     information += weight * row * row.transpose();
-    right += weight * w.sample->inverse_depth_pm * row;
+    right += weight * w.sample->z * row;
   }
-  // A little of the guess, so that samples of one depth still give a scale.
-  const Eigen::Vector2d hold(1e-6 * information(0, 0) + 1e-12, 1e-6 * information(1, 1) + 1e-12);
-  const Eigen::Matrix2d held = information + Eigen::Matrix2d(hold.asDiagonal());
-  return held.inverse() * (right + hold.cwiseProduct(ab));
+  const Eigen::Vector2d solved = information.ldlt().solve(right);
+  return {solved(0), solved(1)};
 }
 
-double medianOf(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+/// The line as a and b, with the covariance carried over to first order.
+MetricFit turned(const Line& line, const Eigen::Matrix2d& information) {
+  MetricFit fit;
+  fit.known = true;
+  fit.a = 1.0 / line.alpha;
+  fit.b = -line.beta / line.alpha;
+  Eigen::Matrix2d by_line;  // derivative of (a, b) by (alpha, beta)
+  by_line << -fit.a * fit.a, 0.0, -fit.b * fit.a, -fit.a;
+  fit.covariance = by_line * information.inverse() * by_line.transpose();
+  return fit;
 }
 
 /// Counts who agrees; the share of their weight.
-double judge(const std::vector<Weighted>& weighted, MetricFit& fit) {
+double judge(const std::vector<Weighted>& weighted, const MetricFitParams& params, const Line& line,
+             MetricFit& fit) {
   double agreeing = 0.0;
   double total = 0.0;
   std::vector<double> relative;
   for (const Weighted& w : weighted) {
     total += w.weight;
-    if (std::abs(residual(w, fit.a, fit.b)) > kOutlier) continue;
+    if (std::abs(residual(w, line, params)) > kOutlier) continue;
     agreeing += w.weight;
     relative.push_back(std::abs(fit.inverseDepth(w.sample->z) / w.sample->inverse_depth_pm - 1.0));
     if (w.sample->cue == Cue::kVo) ++fit.vo_points;
@@ -142,21 +170,17 @@ std::optional<MetricFit> fitMetric(const std::vector<MetricSample>& samples, con
                                    const std::optional<MetricFit>& guess, Random& random) {
   const std::vector<Weighted> weighted = weigh(samples, params);
   if (static_cast<int>(weighted.size()) < params.min_samples) return std::nullopt;
-  const Line start = firstGuess(weighted, params, guess, random);
-  if (!std::isfinite(start.cost)) return std::nullopt;
-  Eigen::Vector2d ab(start.a, start.b);
+  std::optional<Line> line = firstGuess(weighted, params, guess, random);
+  if (!line) return std::nullopt;
   Eigen::Matrix2d information;
   constexpr int kRounds = 6;
-  for (int i = 0; i < kRounds; ++i) ab = refine(weighted, params, ab, information);
-  if (!ab.allFinite() || ab(0) <= 0.0) return std::nullopt;
-  MetricFit fit;
-  fit.known = true;
-  fit.a = ab(0);
-  fit.b = ab(1);
-  // Where the samples tell but one combination of a and b, the other stays as unsure as the scale itself.
-  const Eigen::Vector2d least(1e-2 / (fit.a * fit.a), 1e-2);
-  fit.covariance = (information + Eigen::Matrix2d(least.asDiagonal())).inverse();
-  if (judge(weighted, fit) < params.min_inlier_share) return std::nullopt;
+  for (int i = 0; i < kRounds; ++i) {
+    line = refine(weighted, params, *line, information);
+    if (!line->isSound()) return std::nullopt;
+  }
+  MetricFit fit = turned(*line, information);
+  if (judge(weighted, params, *line, fit) < params.min_inlier_share || fit.residual > params.max_residual)
+    return std::nullopt;
   return fit;
 }
 

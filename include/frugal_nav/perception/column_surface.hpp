@@ -18,6 +18,7 @@ struct DepthScanParams {
   double min_range_m = 0.15;
   double max_range_m = 5.0;
   double beam_rad = 0.0175;
+  double blur_width = 0.03;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -26,6 +27,8 @@ struct DepthScanParams {
     visit("min_range_m", min_range_m, Field{"m", "nearest range, from base_link", 0.01, 5.0});
     visit("max_range_m", max_range_m, Field{"m", "farthest range: the network tells less beyond", 0.5, 50.0});
     visit("beam_rad", beam_rad, Field{"rad", "angle between beams: about a degree", 0.001, 0.2});
+    visit("blur_width", blur_width,
+          Field{"", "how far the network blurs edges, as a share of the image's width", 0.0, 0.2});
   }
   std::string check() const {
     return min_range_m < max_range_m ? "" : "min_range_m must be below max_range_m";

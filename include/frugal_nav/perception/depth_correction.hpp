@@ -13,6 +13,7 @@ struct DepthAnchor {
   cv::Point2f cell;               ///< in the grid
   double inverse_depth_pm = 0.0;  ///< [1/m]
   double relative_sigma = 0.0;    ///< standard deviation of the depth as a share of it
+  double gate = 0.6;  ///< a fitted depth off by more (logarithm) is another surface's, or the anchor is wrong
 };
 
 /// How far a known depth mends the depths about it.
@@ -21,7 +22,7 @@ struct DepthCorrectionParams {
   double depth_step = 0.15;
   int blur_rounds = 2;
   double network_sigma = 0.12;
-  double gate = 0.6;
+  double doubt = 0.25;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -32,8 +33,10 @@ struct DepthCorrectionParams {
     visit("blur_rounds", blur_rounds, Field{"", "how often the reach is widened by a cell", 0, 10});
     visit("network_sigma", network_sigma,
           Field{"", "local error of the fitted depth: how easily it is mended", 0.001, 1.0});
-    visit("gate", gate,
-          Field{"", "a depth off by more (logarithm) is another surface's or wrong", 0.05, 5.0});
+    visit(
+        "doubt", doubt,
+        Field{"", "a depth off by more (logarithm) counts less and less: at an edge it is another surface's",
+              0.01, 10.0});
   }
 };
 

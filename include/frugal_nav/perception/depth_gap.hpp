@@ -17,6 +17,7 @@
 #include <frugal_nav/common/time.hpp>
 #include <frugal_nav/perception/column_profile.hpp>
 #include <frugal_nav/perception/column_surface.hpp>
+#include <frugal_nav/perception/contact_memory.hpp>
 #include <frugal_nav/perception/depth_correction.hpp>
 #include <frugal_nav/perception/depth_network.hpp>
 #include <frugal_nav/perception/floor_contact.hpp>
@@ -64,6 +65,7 @@ struct DepthGapParams {
   double min_goal_sigma = 0.05;
   FloorMaskParams floor;
   FloorContactParams contact;
+  ContactMemoryParams memory;
   MetricFitParams fit;
   DepthCorrectionParams correction;
   DepthScanParams scan;
@@ -87,6 +89,7 @@ struct DepthGapParams {
           Field{"", "least error of the goal's distance as a share of it: heads differ", 0.0, 1.0});
     visit("floor", floor);
     visit("contact", contact);
+    visit("memory", memory);
     visit("fit", fit);
     visit("correction", correction);
     visit("scan", scan);

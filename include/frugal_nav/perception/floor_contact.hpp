@@ -70,7 +70,8 @@ struct FloorContact {
 /// For each column the row from which on something stands on the floor: below it the fitted inverse depth is
 /// the floor's and the colour too, above it the depth stays that of the line. Colour and geometry are costs
 /// of one sum, so that a floor-coloured thing is none and a patterned floor still is. `inverse_depth_pm`
-/// (CV_32FC1 [1/m], the grid's size) is empty while no scale is known: then the colour decides alone.
+/// (CV_32FC1 [1/m], the grid's size) is empty while no scale is known: then the colour decides alone. An
+/// empty `colour_mask` leaves the decision to the geometry.
 std::vector<FloorContact> findFloorContacts(const cv::Mat& colour_mask, const cv::Mat& inverse_depth_pm,
                                             const ViewRays& rays, const FloorContactParams& params);
 

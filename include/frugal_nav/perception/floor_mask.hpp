@@ -48,9 +48,10 @@ class FloorMask {
   explicit FloorMask(const FloorMaskParams& params);
 
   /// The mask of an image of the grid's size (CV_8UC3, BGR): CV_8UC1, 255 floor, 0 else, also above the
-  /// horizon. `strip_is_floor` false: something stands in the strip, so that the last image's floor colour
-  /// decides, when there was one.
-  cv::Mat find(const cv::Mat& small_bgr, const ViewRays& rays, bool strip_is_floor = true);
+  /// horizon. `likely_floor` (likewise) is where the floor is by the geometry: there the cluster is chosen
+  /// and connected instead of in the strip, where something may stand. Empty: not known. All 0: nowhere, so
+  /// that the last image's floor colour stays.
+  cv::Mat find(const cv::Mat& small_bgr, const ViewRays& rays, const cv::Mat& likely_floor = {});
 
   /// Forgets the colours.
   void reset() { centres_.reset(); }
@@ -59,7 +60,7 @@ class FloorMask {
   using Colour = std::array<float, 3>;
   using Centres = std::array<Colour, 2>;  // floor first
 
-  Centres cluster(const cv::Mat& lab, const ViewRays& rays) const;
+  Centres cluster(const cv::Mat& lab, const cv::Mat& seed, const ViewRays& rays) const;
   bool areOne(const Centres& centres) const;
 
   FloorMaskParams params_;

@@ -32,7 +32,8 @@ struct MetricFitParams {
   int min_samples = 8;
   double min_inlier_share = 0.4;
   double effective_samples = 25.0;
-  double scale_prior = 0.0;
+  double shift_share = 0.2;
+  double max_residual = 0.15;
   double process_share = 0.1;
   double process_shift_pm = 0.03;
   double jump_sigma = 4.0;
@@ -51,10 +52,14 @@ struct MetricFitParams {
           Field{"", "share of the samples' weight that must agree with a fit", 0.05, 1.0});
     visit("effective_samples", effective_samples,
           Field{"", "most samples that one cue counts as: neighbours share the network's error", 1.0, 1e6});
-    visit(
-        "scale_prior", scale_prior,
-        Field{"", "how strongly the shift b is held at 0, in samples at a depth of 1 m; more for few points",
-              0.0, 1e6});
+    visit("shift_share", shift_share,
+          Field{"",
+                "how large the shift b is thought to be before anything is seen, as a share of the median "
+                "inverse depth: it decides where all samples are equally far",
+                0.001, 100.0});
+    visit("max_residual", max_residual,
+          Field{"", "a fit whose samples are off by more (median) is none: an upright thing taken for floor",
+                0.01, 1.0});
     visit("process_share", process_share,
           Field{"1/sqrt(s)", "how fast the scale a wanders between images, as a share of it", 0.0, 10.0});
     visit("process_shift_pm", process_shift_pm,

@@ -1,0 +1,44 @@
+#include "depth_drive.hpp"
+
+#include <utility>
+
+namespace frugal_nav::eval {
+namespace {
+
+class Answer : public DepthNetwork {
+ public:
+  Answer(std::shared_ptr<cv::Mat> inverse, bool is_metric)
+      : inverse_(std::move(inverse)), is_metric_(is_metric) {}
+  cv::Mat infer(const cv::Mat&) override { return *inverse_; }
+  bool isMetric() const override { return is_metric_; }
+
+ private:
+  std::shared_ptr<cv::Mat> inverse_;
+  bool is_metric_;
+};
+
+}  // namespace
+
+SharedDepthNetwork::SharedDepthNetwork(std::unique_ptr<DepthNetwork> network)
+    : network_(std::move(network)), inverse_(std::make_shared<cv::Mat>()) {}
+
+void SharedDepthNetwork::show(const cv::Mat& bgr) { *inverse_ = network_->infer(bgr); }
+
+std::unique_ptr<DepthNetwork> SharedDepthNetwork::answer() const {
+  return std::make_unique<Answer>(inverse_, network_->isMetric());
+}
+
+std::vector<MetricPoint> metricPoints(const VisualOdometryOutput& output,
+                                      const Eigen::Isometry3d& base_from_optical,
+                                      const Pose2& odom_from_base) {
+  std::vector<MetricPoint> points;
+  if (!output.is_metric) return points;
+  const Eigen::Isometry3d odom_from_optical = toIsometry(odom_from_base) * base_from_optical;
+  for (const VisualPoint& point : output.points) {
+    points.push_back({cv::Point2f(static_cast<float>(point.pixel.x()), static_cast<float>(point.pixel.y())),
+                      odom_from_optical * point.p_camera, point.sigma_m});
+  }
+  return points;
+}
+
+}  // namespace frugal_nav::eval
