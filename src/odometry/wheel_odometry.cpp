@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -5,6 +6,8 @@
 
 namespace frugal_nav {
 namespace {
+
+constexpr double kLongestGap_s = 0.5;
 
 /// The signed count between two readings of a counter of `bits` bits, which may have rolled over between
 /// them.
@@ -131,8 +134,9 @@ bool WheelOdometry::isPlausible(const Turn& turn, double elapsed_s, bool is_tick
   // Half of the counter's range is the most that can be told from a roll-over the other way.
   const double range_rad = is_ticks ? rad_per_tick * std::ldexp(1.0, params_.tick_bits - 1)
                                     : std::numeric_limits<double>::infinity();
-  const double most_m = params_.max_wheel_speed_mps * elapsed_s;
-  if (most_m > geometry_.radius_m * range_rad) return false;
+  if (params_.max_wheel_speed_mps * elapsed_s > geometry_.radius_m * range_rad) return false;
+  // After a long gap a restarted counter would pass for motion: no more than that of a short one is believed.
+  const double most_m = params_.max_wheel_speed_mps * std::min(elapsed_s, kLongestGap_s);
   const double most_rad = most_m / geometry_.radius_m + rad_per_tick;
   return std::abs(turn.left_rad) <= most_rad && std::abs(turn.right_rad) <= most_rad;
 }

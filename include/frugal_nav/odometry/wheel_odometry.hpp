@@ -73,6 +73,7 @@ struct WheelOdometryCounts {
 ///
 /// Roll-over of the counts (tick_bits) is no motion. A jump that no motor could make is a restarted counter:
 /// the new counts become the base, pose and velocity stay, and the uncertainty of the unseen motion is added.
+/// After a gap the motion of half a second is the most that is believed: it may be a restart as well.
 /// A restart from counts so small that the jump is plausible cannot be told from motion. A stamp older than
 /// the last is a jump of time: the odometry starts from its starting pose again, with no uncertainty.
 class WheelOdometry {

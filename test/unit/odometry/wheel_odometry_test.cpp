@@ -148,6 +148,27 @@ TEST(WheelOdometry, SurvivesARestartedCounter) {
   EXPECT_NEAR(drive.last.twist.v_mps, 0.3, 0.005);
 }
 
+TEST(WheelOdometry, ARestartDuringALongGapIsNoMotion) {
+  Drive drive;
+  drive.read();
+  drive.hold({0.3, 0.0}, 7.0);  // 2.1 m, which a wheel could roll in the second of the gap
+  const double before_m = drive.last.odom_from_base.x_m;
+  drive.stamp += fromSeconds(1.0);
+  drive.offset = -drive.wheels.left();  // the board was reset meanwhile
+  drive.read();
+  EXPECT_DOUBLE_EQ(drive.last.odom_from_base.x_m, before_m);
+  EXPECT_EQ(drive.odometry.counts().rebased, 1U);
+}
+
+TEST(WheelOdometry, MotionDuringAGapCounts) {
+  WheelOdometry odometry(WheelOdometryParams{}, kGeometry);
+  odometry.addTicks(stampFromSeconds(0.0), 0, 0);
+  const auto after = odometry.addTicks(stampFromSeconds(2.0), 4860, 4860);  // 0.35 m/s
+  ASSERT_TRUE(after);
+  EXPECT_EQ(odometry.counts().rebased, 0U);
+  EXPECT_NEAR(after->odom_from_base.x_m, 0.7, 0.01);
+}
+
 TEST(WheelOdometry, RebasesWhenAGapHidesHowOftenACounterRolledOver) {
   WheelOdometryParams params;
   params.tick_bits = 16;  // half of its range is 4.7 m: less than 2.5 m/s may roll in 3 s
