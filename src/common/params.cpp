@@ -92,7 +92,7 @@ std::string faultOf(const std::string& name, const ParamValue& value, const Fiel
   if (const double* number = std::get_if<double>(&value)) return numberFault(name, *number, field);
   if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
     for (const double number : *numbers) {
-      const std::string fault = numberFault(name, number, field);
+      std::string fault = numberFault(name, number, field);
       if (!fault.empty()) return fault;
     }
   }

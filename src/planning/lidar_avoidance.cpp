@@ -32,10 +32,14 @@ std::size_t nearestIndex(const Path2& path, const Eigen::Vector2d& p) {
 
 }  // namespace
 
-LidarAvoidance::LidarAvoidance(const LidarAvoidanceParams& params, const BodyExtent& body)
-    : params_(params), body_(body) {
+LidarAvoidance::LidarAvoidance(const LidarAvoidanceParams& params, const BodyExtent& body) : body_(body) {
+  setParams(params);
+}
+
+void LidarAvoidance::setParams(const LidarAvoidanceParams& params) {
   validate(params, "avoidance");
-  sectors_ = std::make_unique<SectorAvoidance>(params.sectors, body);
+  params_ = params;
+  sectors_ = std::make_unique<SectorAvoidance>(params.sectors, body_);
   planner_ = sectors_.get();
 }
 

@@ -22,8 +22,15 @@ std::string reasonOf(AStarResult::Status status) {
 }  // namespace
 
 LidarPlanner::LidarPlanner(const LidarPlannerParams& params, const BodyExtent& body)
-    : params_(params), grid_(params.grid), cost_map_(params.cost, body, grid_) {
+    : params_(params), body_(body), grid_(params.grid), cost_map_(params.cost, body, grid_) {
   validate(params, "planner");
+}
+
+void LidarPlanner::setParams(const LidarPlannerParams& params) {
+  validate(params, "planner");
+  params_ = params;
+  grid_.setParams(params.grid);
+  cost_map_ = CostMap(params.cost, body_, grid_);
 }
 
 void LidarPlanner::setGoal(const std::optional<Pose2>& odom_from_goal) {

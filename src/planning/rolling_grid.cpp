@@ -31,6 +31,20 @@ RollingGrid::RollingGrid(const RollingGridParams& params)
   memory_ms_ = static_cast<std::uint32_t>(params.memory_s * 1e3);
 }
 
+void RollingGrid::setParams(const RollingGridParams& params) {
+  if (params.window_m != params_.window_m || params.cell_m != params_.cell_m) {
+    *this = RollingGrid(params);
+    return;
+  }
+  validate(params, "rolling grid");
+  params_ = params;
+  memory_ms_ = static_cast<std::uint32_t>(params.memory_s * 1e3);
+  for (Entry& entry : entries_) {
+    entry.certainty =
+        static_cast<std::int8_t>(std::min(static_cast<int>(entry.certainty), params.max_certainty));
+  }
+}
+
 void RollingGrid::reset() {
   std::fill(entries_.begin(), entries_.end(), Entry{});
   started_ = false;

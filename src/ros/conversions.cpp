@@ -148,6 +148,7 @@ std::optional<MotionCommand> fromRos(const LocalCommand& msg) {
   command.stamp = toStamp(msg.header.stamp);
   command.status = static_cast<MotionCommand::Status>(msg.status);
   command.reason = msg.reason;
+  command.goal_number = msg.goal_number;
   command.holds = static_cast<MotionCommand::Holds>(msg.holds);
   command.clear_bearing_rad = static_cast<double>(msg.clear_bearing_rad);
   command.velocity = {msg.v_mps, msg.w_radps};
@@ -166,6 +167,7 @@ LocalCommand toRos(const MotionCommand& command, const std::string& odom_frame) 
   msg.header.frame_id = odom_frame;
   msg.status = static_cast<std::uint8_t>(command.status);
   msg.reason = command.reason;
+  msg.goal_number = command.goal_number;
   msg.holds = static_cast<std::uint8_t>(command.holds);
   msg.target = toRos(command.odom_from_target);
   msg.v_mps = command.velocity.v_mps;

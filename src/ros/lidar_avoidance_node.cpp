@@ -31,7 +31,8 @@ LidarAvoidanceNode::LidarAvoidanceNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   path_sub_ = nh.subscribe("path", 5, &LidarAvoidanceNode::onPath, this, ros::TransportHints().tcpNoDelay());
   live_ = tuneLive<LidarAvoidanceNodeParams>(pnh, params_, [this](const LidarAvoidanceNodeParams& wanted) {
     params_.avoidance = wanted.avoidance;
-    avoidance_ = LidarAvoidance(params_.avoidance, body_);
+    avoidance_.setParams(params_.avoidance);
+    intake_->setRules(wanted.scan);
   });
 }
 
@@ -67,6 +68,7 @@ void LidarAvoidanceNode::process(const PosedScan& posed) {
     command = avoidance_.update(posed.scan, posed.base_from_laser, posed.odometry);
     diagnostics_.set("time of a decision [ms]", (ros::WallTime::now() - start).toSec() * 1e3);
   }
+  command.goal_number = intake_->goalNumber();
   command_pub_.publish(toRos(command, params_.intake.odom_frame));
   report(command);
   if (posed.fault.empty() && markers_pub_.getNumSubscribers() > 0) {

@@ -62,6 +62,13 @@ dynamic_reconfigure::ConfigDescription describeFields(const std::vector<FieldDes
   return description;
 }
 
+std::vector<FieldDescription> liveOnes(std::vector<FieldDescription> fields) {
+  fields.erase(std::remove_if(fields.begin(), fields.end(),
+                              [](const FieldDescription& row) { return !row.field.live; }),
+               fields.end());
+  return fields;
+}
+
 ParamTree toTree(const Config& config) {
   ParamTree tree;
   for (const auto& row : config.bools) tree[row.name] = static_cast<bool>(row.value);
@@ -74,9 +81,8 @@ ParamTree toTree(const Config& config) {
 }  // namespace
 
 LiveParameterServer::LiveParameterServer(const ros::NodeHandle& pnh,
-                                         const std::vector<FieldDescription>& fields,
-                                         std::function<void(const ParamTree&)> apply)
-    : pnh_(pnh), fields_(fields), apply_(std::move(apply)) {
+                                         const std::vector<FieldDescription>& fields, Apply apply)
+    : pnh_(pnh), fields_(liveOnes(fields)), apply_(std::move(apply)) {
   descriptions_ = pnh_.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
   updates_ = pnh_.advertise<Config>("parameter_updates", 1, true);
   service_ = pnh_.advertiseService("set_parameters", &LiveParameterServer::reconfigure, this);
@@ -88,11 +94,14 @@ bool LiveParameterServer::reconfigure(dynamic_reconfigure::Reconfigure::Request&
                                       dynamic_reconfigure::Reconfigure::Response& response) {
   const ParamTree wanted = toTree(request.config);
   try {
-    apply_(wanted);
-    for (FieldDescription& row : fields_) {
-      const auto found = wanted.find(row.name);
-      if (found != wanted.end()) row.value = found->second;
+    for (const auto& [name, value] : wanted) {
+      const bool offered =
+          std::any_of(fields_.begin(), fields_.end(),
+                      [&name = name](const FieldDescription& row) { return row.name == name; });
+      if (!offered)
+        throw ConfigError("\"" + name + "\" cannot be changed while the node runs: start it anew");
     }
+    fields_ = liveOnes(apply_(wanted));
   } catch (const ConfigError& error) {
     ROS_ERROR("%s; nothing changed", error.what());
   }

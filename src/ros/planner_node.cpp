@@ -36,7 +36,8 @@ PlannerNode::PlannerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   live_ = tuneLive<PlannerNodeParams>(pnh, params_, [this](const PlannerNodeParams& wanted) {
     params_.planner = wanted.planner;
     params_.grid_period_s = wanted.grid_period_s;
-    planner_ = LidarPlanner(params_.planner, body_);
+    planner_.setParams(params_.planner);
+    intake_->setRules(wanted.scan);
   });
 }
 

@@ -78,6 +78,7 @@ void ScanIntake::onState(const MissionState& msg) {
   }
   diagnostics_.input("mission/state").received(status->stamp, toStamp(ros::Time::now()));
   time_.checkClock();
+  if (status->goal_number != mission_.goal_number) number_before_ = mission_.stamp;
   mission_ = *status;
   // Goal and state come on different connections: an end that is older than the goal is another's.
   if (!isUnderway(mission_.phase) && goal_stamp_ < mission_.stamp) goal_.reset();
@@ -87,7 +88,8 @@ bool ScanIntake::isActive() const {
   // While the mission aligns or recovers by itself, it wants to know whether the way is free again.
   const bool by_lidar =
       mission_.mode == Mode::kLidar || mission_.mode == Mode::kAligning || mission_.mode == Mode::kRecovering;
-  return isUnderway(mission_.phase) && by_lidar;
+  // Goal and state come on different connections: a goal older than the number is the one before.
+  return isUnderway(mission_.phase) && by_lidar && goal_stamp_ >= number_before_;
 }
 
 void ScanIntake::onTimer() {
@@ -99,6 +101,7 @@ void ScanIntake::forget(Stamp now) {
   pending_.clear();
   odometry_.clear();
   last_scan_.reset();
+  number_before_ = Stamp{};
   mission_ = MissionStatus{};            // stands until the mission speaks again
   if (goal_stamp_ > now) goal_.reset();  // not one of the new time that has come already
   callbacks_.time_jumped();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <frugal_nav/common/geometry.hpp>
@@ -22,6 +23,7 @@ struct MotionCommand {
   Stamp stamp{};  ///< of the scan it rests on
   Status status = Status::kIdle;
   std::string reason;
+  std::uint32_t goal_number = 0;  ///< of the mission's status: the goal it leads to
   Holds holds = Holds::kNothing;
   Pose2 odom_from_target;          ///< for kTarget; only its position is driven to
   Twist2 velocity;                 ///< for kVelocity

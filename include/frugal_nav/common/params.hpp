@@ -31,7 +31,14 @@ struct Field {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   const char* choices = "";  ///< for texts: the allowed ones, "sectors|vfh_plus"; empty for any
+  bool live = true;          ///< a running node takes a new value; false: at its start only
 };
+
+/// The same field, read at the node's start only.
+inline Field atStart(Field field) {
+  field.live = false;
+  return field;
+}
 
 /// One row of the list that documentation, checks and live tuning read.
 struct FieldDescription {
@@ -156,7 +163,7 @@ std::vector<FieldDescription> describe(Params params) {
 template <class Params>
 std::string findFault(Params params) {
   for (const FieldDescription& row : describe(params)) {
-    const std::string fault = params_detail::faultOf(row.name, row.value, row.field);
+    std::string fault = params_detail::faultOf(row.name, row.value, row.field);
     if (!fault.empty()) return fault;
   }
   std::string fault;

@@ -54,6 +54,10 @@ class LidarAvoidance {
  public:
   LidarAvoidance(const LidarAvoidanceParams& params, const BodyExtent& body);
 
+  /// Other parameters from the next scan on; goal and path stay. Throws ConfigError, and then nothing
+  /// changes.
+  void setParams(const LidarAvoidanceParams& params);
+
   /// Where it all leads, in odom; nothing: stand.
   void setGoal(const std::optional<Pose2>& odom_from_goal);
 

@@ -63,6 +63,10 @@ class LidarPlanner {
  public:
   LidarPlanner(const LidarPlannerParams& params, const BodyExtent& body);
 
+  /// Other parameters from the next scan on; what was seen stays, unless the grid's window or cells change.
+  /// Throws ConfigError, and then nothing changes.
+  void setParams(const LidarPlannerParams& params);
+
   /// Where to go, in odom; nothing: nowhere. A goal that is not finite gives kStopped.
   void setGoal(const std::optional<Pose2>& odom_from_goal);
 
@@ -80,6 +84,7 @@ class LidarPlanner {
   Path2 shape(const AStarResult& found, const Pose2& odom_from_base, bool at_goal) const;
 
   LidarPlannerParams params_;
+  BodyExtent body_;
   RollingGrid grid_;
   CostMap cost_map_;
   AStar astar_;

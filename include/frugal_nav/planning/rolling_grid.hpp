@@ -71,6 +71,9 @@ class RollingGrid {
 
   explicit RollingGrid(const RollingGridParams& params);
 
+  /// Other parameters from now on; another window or cell size forgets everything. Throws ConfigError.
+  void setParams(const RollingGridParams& params);
+
   /// Centres the window on a point of the odom frame, by whole cells.
   void moveTo(const Eigen::Vector2d& p_odom);
 

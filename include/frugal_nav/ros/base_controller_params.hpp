@@ -17,10 +17,10 @@ struct BaseControllerNodeParams {
   template <class Visitor>
   void fields(Visitor&& visit) {
     visit("rate_hz", rate_hz,
-          Field{"Hz", "control cycles while no input starts one: time-outs are noticed at this rate", 1.0,
-                200.0});
-    visit("odom_frame", odom_frame, Field{"", "frame of path, targets and odometry"});
-    visit("base_frame", base_frame, Field{"", "frame of the robot, of scans and commands"});
+          atStart(Field{"Hz", "control cycles while no input starts one: time-outs are noticed at this rate",
+                        1.0, 200.0}));
+    visit("odom_frame", odom_frame, atStart(Field{"", "frame of path, targets and odometry"}));
+    visit("base_frame", base_frame, atStart(Field{"", "frame of the robot, of scans and commands"}));
     control.fields(visit);
   }
 };

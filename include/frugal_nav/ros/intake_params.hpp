@@ -14,10 +14,12 @@ struct IntakeParams {
 
   template <class Visitor>
   void fields(Visitor&& visit) {
-    visit("odom_frame", odom_frame, Field{"", "frame of odometry and of all that is given in it"});
-    visit("base_frame", base_frame, Field{"", "frame of the body, in which tf gives the sensor's pose"});
+    visit("odom_frame", odom_frame, atStart(Field{"", "frame of odometry and of all that is given in it"}));
+    visit("base_frame", base_frame,
+          atStart(Field{"", "frame of the body, in which tf gives the sensor's pose"}));
     visit("odom_wait_s", odom_wait_s,
-          Field{"s", "ROS time a reading waits for odometry of its stamp before it is given up", 0.01, 5.0});
+          atStart(Field{"s", "ROS time a reading waits for odometry of its stamp before it is given up", 0.01,
+                        5.0}));
   }
 };
 
@@ -31,9 +33,11 @@ struct ImageIntakeParams {
   void fields(Visitor&& visit) {
     base.fields(visit);
     visit("image_transport", image_transport,
-          Field{"", "how images come: raw, or a transport whose plugin is installed (compressed, theora)"});
+          atStart(Field{
+              "", "how images come: raw, or a transport whose plugin is installed (compressed, theora)"}));
     visit("silent_after_s", silent_after_s,
-          Field{"s", "ROS time without an image after which the camera is reported as silent", 0.1, 60.0});
+          atStart(Field{"s", "ROS time without an image after which the camera is reported as silent", 0.1,
+                        60.0}));
   }
 };
 

@@ -14,12 +14,15 @@
 namespace frugal_nav {
 
 /// Speaks dynamic_reconfigure's protocol for a list of fields, so that rqt_reconfigure and dynparam tune a
-/// running node; lists of numbers or texts are not part of that protocol and stay as they were at start.
+/// running node. Fields that count at the start only are not offered, and lists of numbers or texts are not
+/// part of that protocol: both stay as they were.
 class LiveParameterServer {
  public:
-  /// `apply` takes the wanted values; it throws ConfigError when they are bad, and nothing changes.
-  LiveParameterServer(const ros::NodeHandle& pnh, const std::vector<FieldDescription>& fields,
-                      std::function<void(const ParamTree&)> apply);
+  /// Takes the wanted values and gives the fields as they are then; throws ConfigError when a value is bad,
+  /// and nothing changes.
+  using Apply = std::function<std::vector<FieldDescription>(const ParamTree&)>;
+
+  LiveParameterServer(const ros::NodeHandle& pnh, const std::vector<FieldDescription>& fields, Apply apply);
   LiveParameterServer(const LiveParameterServer&) = delete;  // the service holds its address
   LiveParameterServer& operator=(const LiveParameterServer&) = delete;
 
@@ -30,13 +33,14 @@ class LiveParameterServer {
 
   ros::NodeHandle pnh_;
   std::vector<FieldDescription> fields_;
-  std::function<void(const ParamTree&)> apply_;
+  Apply apply_;
   ros::Publisher descriptions_;
   ros::Publisher updates_;
   ros::ServiceServer service_;
 };
 
-/// Live tuning of a params struct: `changed` gets the new struct once it has passed all checks.
+/// Live tuning of a params struct: `changed` gets the new struct once it has passed all checks; when it
+/// throws ConfigError, the parameters stay as they were.
 template <class Params>
 std::unique_ptr<LiveParameterServer> tuneLive(const ros::NodeHandle& pnh, Params params,
                                               std::function<void(const Params&)> changed) {
@@ -45,8 +49,9 @@ std::unique_ptr<LiveParameterServer> tuneLive(const ros::NodeHandle& pnh, Params
   const auto apply = [params, changed, where](const ParamTree& tree) mutable {
     Params wanted = params;
     assign(tree, where, wanted);
+    changed(wanted);
     params = wanted;
-    changed(params);
+    return describe(params);
   };
   return std::make_unique<LiveParameterServer>(pnh, fields, apply);
 }

@@ -34,9 +34,10 @@ struct MissionNodeParams {
 
   template <class Visitor>
   void fields(Visitor&& visit) {
-    visit("odom_frame", odom_frame, Field{"", "frame of goals, path and odometry"});
-    visit("base_frame", base_frame, Field{"", "frame of mission/command"});
-    visit("waypoints_file", waypoints_file, Field{"", "tour to drive from the start; empty for none"});
+    visit("odom_frame", odom_frame, atStart(Field{"", "frame of goals, path and odometry"}));
+    visit("base_frame", base_frame, atStart(Field{"", "frame of mission/command"}));
+    visit("waypoints_file", waypoints_file,
+          atStart(Field{"", "tour to drive from the start; empty for none"}));
     visit("feedback_rate_hz", feedback_rate_hz,
           Field{"Hz", "base_position to clients of move_base", 0.1, 50.0});
     mission.fields(visit);

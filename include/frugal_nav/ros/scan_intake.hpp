@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <optional>
@@ -49,6 +50,10 @@ class ScanIntake {
 
   /// Where to go, in odom, while the mission drives there by LIDAR; otherwise nothing.
   std::optional<Pose2> goal() const { return isActive() ? goal_ : std::nullopt; }
+  /// The mission's number of that goal.
+  std::uint32_t goalNumber() const { return mission_.goal_number; }
+  /// How scans are read from the next one on.
+  void setRules(const ScanRules& rules) { rules_ = rules; }
   /// Hands on every scan that can be; to be called when what `ready` waits for has come.
   void process();
   /// Checks the stamp of a further input of the node: one that goes back is a jump in time.
@@ -83,6 +88,7 @@ class ScanIntake {
   MissionStatus mission_;
   std::optional<Pose2> goal_;
   Stamp goal_stamp_{};
+  Stamp number_before_{};  ///< of the last state with another goal's number
 
   ros::Subscriber scan_sub_;
   ros::Subscriber goal_sub_;

@@ -19,14 +19,16 @@ struct WheelOdometryNodeParams {
   template <class Visitor>
   void fields(Visitor&& visit) {
     visit("source", source,
-          Field{"",
-                "what the wheels report: counts on wheel_ticks, or angles of the URDF's wheel joints on "
-                "joint_states",
-                -HUGE_VAL, HUGE_VAL, "ticks|joint_states"});
-    visit("odom_frame", odom_frame, Field{"", "frame the odometry is in"});
-    visit("base_frame", base_frame, Field{"", "frame of the robot"});
+          atStart(
+              Field{"",
+                    "what the wheels report: counts on wheel_ticks, or angles of the URDF's wheel joints on "
+                    "joint_states",
+                    -HUGE_VAL, HUGE_VAL, "ticks|joint_states"}));
+    visit("odom_frame", odom_frame, atStart(Field{"", "frame the odometry is in"}));
+    visit("base_frame", base_frame, atStart(Field{"", "frame of the robot"}));
     visit("publish_tf", publish_tf,
-          Field{"", "broadcast odom_frame -> base_frame; false when another filter owns that transform"});
+          atStart(Field{
+              "", "broadcast odom_frame -> base_frame; false when another filter owns that transform"}));
     odometry.fields(visit);
   }
   std::string check() const { return odometry.check(); }

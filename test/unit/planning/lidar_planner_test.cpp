@@ -56,6 +56,25 @@ TEST_F(LidarPlannerTest, StraightThroughFreeSpace) {
   }
 }
 
+TEST_F(LidarPlannerTest, OtherParametersLeaveWhatWasSeen) {
+  planFrom(room, {});
+  const Cell seen = planner.grid().cellOf({3.0, 0.0});
+  ASSERT_EQ(planner.grid().state(seen), RollingGrid::State::kFree);
+  params.switch_gain = 0.2;
+  params.cost.clearance_weight = 2.0;
+  params.grid.memory_s = 30.0;
+  planner.setParams(params);
+  EXPECT_EQ(planner.grid().state(seen), RollingGrid::State::kFree);
+  params.grid.cell_m = -1.0;
+  EXPECT_THROW(planner.setParams(params), ConfigError);
+  EXPECT_EQ(planner.grid().state(seen), RollingGrid::State::kFree) << "nothing changed";
+  params.grid.cell_m = 0.1;
+  planner.setParams(params);
+  EXPECT_EQ(planner.grid().state(planner.grid().cellOf({3.0, 0.0})), RollingGrid::State::kUnknown);
+  planner.setGoal(Pose2{4.0, 0.7, 0.0});
+  EXPECT_EQ(planFrom(room, {}, 0.1).status, Status::kFound) << "it plans in cells of the new size";
+}
+
 TEST_F(LidarPlannerTest, GoesAroundABoxWithRoomBesideTheBody) {
   FlatWorld world = room;
   world.box(1.5, -1.0, 2.5, 1.2);
