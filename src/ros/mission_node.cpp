@@ -60,8 +60,10 @@ MissionNode::MissionNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   simple_goal_sub_ = nh.subscribe("move_base_simple/goal", 1, &MissionNode::onSimpleGoal, this);
   manual_service_ = pnh.advertiseService("set_manual", &MissionNode::onSetManual, this);
   timer_ = nh.createTimer(ros::Duration(kCheckPeriod_s), [this](const ros::TimerEvent&) { onTimer(); });
-  tuning_ = tuneLive<MissionNodeParams>(
-      pnh, params_, [this](const MissionNodeParams& params) { mission_.setParams(params.mission); });
+  tuning_ = tuneLive<MissionNodeParams>(pnh, params_, [this](const MissionNodeParams& wanted) {
+    mission_.setParams(wanted.mission);
+    params_.feedback_rate_hz = wanted.feedback_rate_hz;
+  });
   server_.start();
   publishStatus();
 }
@@ -169,6 +171,13 @@ void MissionNode::onOdometry(const nav_msgs::Odometry& msg) {
   const std::optional<Odometry> odometry = fromRos(msg);
   if (!odometry) {
     diagnostics_.input("odom").refused("not finite, or no sound quaternion");
+    return;
+  }
+  if (msg.header.frame_id != params_.odom_frame) {
+    diagnostics_.input("odom").refused("frame \"" + msg.header.frame_id + "\" instead of \"" +
+                                       params_.odom_frame + "\"");
+    ROS_WARN_THROTTLE(5.0, "odometry in frame \"%s\" is not used: goals are in \"%s\"",
+                      msg.header.frame_id.c_str(), params_.odom_frame.c_str());
     return;
   }
   diagnostics_.input("odom").received(odometry->stamp, toStamp(checkClock()));
@@ -290,7 +299,7 @@ void MissionNode::sendTourGoal(ros::Time now) {
   const Waypoint& waypoint = tour_->waypoints[next_waypoint_];
   tour_goal_id_ = "waypoint " + std::to_string(next_waypoint_ + 1) + " at " + std::to_string(now.toSec());
   move_base_msgs::MoveBaseActionGoal action;
-  action.header.stamp = action.goal_id.stamp = now;
+  action.header.stamp = action.goal_id.stamp = ros::Time::now();  // as clients stamp theirs
   action.goal_id.id = tour_goal_id_;
   action.goal.target_pose.header.stamp = now;
   action.goal.target_pose.header.frame_id = tour_->frame;

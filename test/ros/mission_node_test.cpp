@@ -77,6 +77,16 @@ TEST_F(MissionNodeTest, AnswersEveryOdometryWithItsStamp) {
   for (int i = 0; i < 20; ++i) EXPECT_TRUE(graph_.step());
 }
 
+TEST_F(MissionNodeTest, OdometryInAnotherFrameIsNone) {
+  ros::NodeHandle nh;
+  ros::Publisher publisher = nh.advertise<nav_msgs::Odometry>("odom", 10);
+  Odometry odometry;
+  odometry.stamp = toStamp(graph_.now() + ros::Duration(0.01));
+  publisher.publish(toRos(odometry, "map", "base_link"));
+  ASSERT_TRUE(graph_.step());  // one connection: once this is answered, the one before has been seen
+  for (const MissionState& state : graph_.states) EXPECT_NE(toStamp(state.header.stamp), odometry.stamp);
+}
+
 TEST_F(MissionNodeTest, RefusesAGoalInAnUnknownFrame) {
   EXPECT_THAT(refusal(moveBaseGoal({1.0, 0.0, 0.0}, "moon")),
               StartsWith("goal in an unknown frame: \"moon\""));
