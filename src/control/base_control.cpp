@@ -189,7 +189,7 @@ BaseCommand BaseControl::wanted(Stamp now, const Pose2& odom_from_base) {
 }
 
 BaseCommand BaseControl::localCommand(const Pose2& odom_from_base) const {
-  if (local_command_.stamp <= goal_since_) {
+  if (local_command_.stamp <= goal_since_ || local_command_.goal_number != mission_.goal_number) {
     return stopped(BaseCommand::Reason::kMissing, "no avoidance/command for the new goal yet");
   }
   switch (local_command_.holds) {

@@ -78,7 +78,6 @@ bool BaseControl::accept(const std::string& input, Stamp stamp, const std::optio
 void BaseControl::refuse(const std::string& input, const std::string& why) {
   if (input == "scan") has_scanner_ = true;  // there is one, though nobody can tell what it sees
   refused_[input] = input + " is refused: " + why;
-  ++refused_counts_[input];
 }
 
 std::string BaseControl::refusal(const std::string& input) const {

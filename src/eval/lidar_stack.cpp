@@ -64,6 +64,7 @@ BaseCommand LidarStack::addScan(const LaserScan& scan) {
       avoidance_.setPath(plan_.stamp, plan_.path);
     }
     local_ = avoidance_.update(scan, base_from_laser_, *odometry);
+    local_.goal_number = mission_.status().goal_number;
     mission_.setLocalCommand(local_);
     base_.setLocalCommand(local_);
   }

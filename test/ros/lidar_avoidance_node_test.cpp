@@ -61,6 +61,24 @@ class LidarAvoidanceNodeTest : public testing::Test {
   ros::Publisher path_pub_;
 };
 
+TEST_F(LidarAvoidanceNodeTest, ACommandHasTheNumberOfItsGoal) {
+  graph_.driveTo({4.0, 0.0, 0.0});
+  ASSERT_TRUE(beatUntilDriving());
+  EXPECT_EQ(commands_.messages.back().goal_number, graph_.mission.goal_number);
+  // The state of the next goal comes before the goal itself: the old one must not be driven to in its name.
+  ++graph_.mission.goal_number;
+  const bool next = test::waitUntil([this] {
+    graph_.beat();
+    publishPath();
+    return commandFor(graph_.scan()).goal_number == graph_.mission.goal_number;
+  });
+  ASSERT_TRUE(next);
+  EXPECT_EQ(commands_.messages.back().status, LocalCommand::STATUS_IDLE);
+  --graph_.mission.goal_number;
+  graph_.driveTo({4.0, 0.0, 0.0});
+  EXPECT_TRUE(beatUntilDriving());
+}
+
 TEST_F(LidarAvoidanceNodeTest, IdleWithoutGoalForEachScan) {
   for (int i = 0; i < 3; ++i) {
     graph_.beat();

@@ -74,7 +74,7 @@ struct BaseControlParams {
   bool require_scan = true;
   bool require_scan_in_manual = true;
   double blind_mps = 0.10;
-  double future_tolerance_s = 0.5;
+  double future_tolerance_s = 0.05;
   ScanRules scan;
   BaseTimeouts timeouts;
   PlausibleCommands plausible;
@@ -98,7 +98,11 @@ struct BaseControlParams {
           Field{"m/s", "fastest into a direction the last three scans saw nothing of, neither free nor hit",
                 0.0, 5.0});
     visit("future_tolerance_s", future_tolerance_s,
-          Field{"s", "an input stamped later than this after now is a fault: clocks differ", 0.0, 10.0});
+          Field{"s",
+                "an input stamped later than this after now is a fault: clocks differ. It lengthens every "
+                "time-out: "
+                "by one cycle",
+                0.0, 10.0});
     visit("scan", scan);
     visit("timeouts", timeouts);
     visit("plausible", plausible);
@@ -173,11 +177,8 @@ class BaseControl {
   void reset();
   /// Other parameters from the next cycle on. Throws ConfigError on parameters out of range.
   void setParams(const BaseControlParams& params);
-  const BaseControlParams& params() const { return params_; }
   /// Mode of the last mission state; kIdle before.
   Mode mode() const { return mission_.mode; }
-  /// How often each input was refused, by topic.
-  const std::map<std::string, std::uint64_t>& refusedCounts() const { return refused_counts_; }
   /// How often time jumped back.
   std::uint64_t timeJumps() const { return time_jumps_; }
 
@@ -226,7 +227,6 @@ class BaseControl {
   std::optional<Stamp> issued_at_;
   std::optional<Stamp> before_at_;
   std::map<std::string, std::string> refused_;
-  std::map<std::string, std::uint64_t> refused_counts_;
   std::uint64_t time_jumps_ = 0;
 };
 

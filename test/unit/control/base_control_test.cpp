@@ -324,12 +324,12 @@ TEST(BaseControl, ANaNCommandStopsItInThatCycle) {
   const BaseCommand command = bench.step();
   EXPECT_TRUE(command.velocity.isZero());
   EXPECT_EQ(command.reason, Reason::kRefused);
-  EXPECT_EQ(bench.control.refusedCounts().at("cmd_vel_in"), 1U);
+  EXPECT_NE(bench.control.refusal("cmd_vel_in"), "");
   bench.manual = {0.2, 0.0};
   EXPECT_FALSE(bench.step().velocity.isZero()) << "the next sound command holds again";
 }
 
-TEST(BaseControl, OutOfRangeCommandsAreRefusedAndCounted) {
+TEST(BaseControl, OutOfRangeCommandsAreRefused) {
   Bench bench(Mode::kLidar);
   bench.run(1.0);
   bench.local.velocity = {50.0, 0.0};
@@ -337,11 +337,12 @@ TEST(BaseControl, OutOfRangeCommandsAreRefusedAndCounted) {
   bench.local.velocity = {0.0, -40.0};
   EXPECT_TRUE(bench.step().velocity.isZero());
   bench.local.holds = MotionCommand::Holds::kTarget;
-  bench.local.odom_from_target = {1000.0, 0.0, 0.0};
-  EXPECT_TRUE(bench.step().velocity.isZero());
   bench.local.odom_from_target = {kNan, 0.0, 0.0};
   EXPECT_TRUE(bench.step().velocity.isZero());
-  EXPECT_EQ(bench.control.refusedCounts().at("avoidance/command"), 4U);
+  bench.local.odom_from_target = {1000.0, 0.0, 0.0};
+  EXPECT_TRUE(bench.step().velocity.isZero());
+  EXPECT_NE(bench.control.refusal("avoidance/command").find("out of range"), std::string::npos)
+      << bench.control.refusal("avoidance/command");
 }
 
 TEST(BaseControl, ACommandAboveTheLimitsIsClamped) {
@@ -445,6 +446,25 @@ TEST(BaseControl, AnInputFromTheFutureStopsIt) {
   EXPECT_EQ(command.reason, Reason::kRefused);
 }
 
+TEST(BaseControl, AnInputFromTheFutureLivesNoLongerThanACycleMore) {
+  Bench bench(Mode::kLidar);
+  bench.run(1.0);
+  bench.odom_on = false;
+  Odometry odometry = bench.odometry;
+  odometry.stamp = bench.now + fromSeconds(0.05);
+  bench.control.setOdometry(odometry);
+  EXPECT_LE(bench.timeToZero(), 0.25 + 0.05 + 0.02 + 1e-9);
+}
+
+TEST(BaseControl, AStampFromTheFutureBeyondTheToleranceStopsIt) {
+  Bench bench(Mode::kLidar);
+  bench.run(1.0);
+  Odometry odometry = bench.odometry;
+  odometry.stamp = bench.now + fromSeconds(0.4);
+  bench.control.setOdometry(odometry);
+  EXPECT_EQ(bench.control.cycle(bench.now).reason, Reason::kRefused);
+}
+
 TEST(BaseControl, TheClockMayLagBehindTheStamps) {
   Bench bench(Mode::kLidar);
   bench.run(1.0);
@@ -460,7 +480,7 @@ TEST(BaseControl, TheClockMayLagBehindTheStamps) {
     control.setScan(openScan(stamp), {});
     control.setManualCommand({0.1, 0.0}, stamp);
     control.setMission(status);
-    EXPECT_FALSE(control.cycle(stamp - fromSeconds(0.1)).velocity.isZero());
+    EXPECT_FALSE(control.cycle(stamp - fromSeconds(0.04)).velocity.isZero());
   }
 }
 
@@ -473,6 +493,8 @@ TEST(BaseControl, ACommandForTheGoalBeforeIsNotDriven) {
   EXPECT_TRUE(waiting.velocity.isZero());
   EXPECT_EQ(waiting.reason, Reason::kMissing);
   bench.local_on = true;
+  EXPECT_EQ(bench.step().reason, Reason::kMissing) << "a new scan, but on its way when the goal came";
+  bench.local.goal_number = 7;
   EXPECT_FALSE(bench.step().velocity.isZero());
 }
 
@@ -568,7 +590,7 @@ TEST(BaseControl, NewParametersHoldFromTheNextCycle) {
   Bench bench(Mode::kManual);
   bench.manual = {0.3, 0.0};
   bench.run(2.0);
-  BaseControlParams params = bench.control.params();
+  BaseControlParams params;
   params.limits.max_v_mps = 0.1;
   bench.control.setParams(params);
   EXPECT_NEAR(bench.run(1.0).velocity.v_mps, 0.1, 1e-9);
