@@ -8,7 +8,8 @@
 namespace frugal_nav {
 namespace {
 
-// No point of the footprint moves farther than this between two checked poses: less than the margin.
+// No point of the footprint moves farther than this between two checked poses, so that none is farther than
+// half of it from a checked place: less than the default margins, slow_margin_m too.
 constexpr double kStep_m = 0.015;
 
 Twist2 scaled(const Twist2& twist, double factor) { return {factor * twist.v_mps, factor * twist.w_radps}; }

@@ -19,8 +19,6 @@ void Watchdog::reset() {
   for (auto& [name, input] : inputs_) input.last.reset();
 }
 
-void Watchdog::reset(const std::string& input) { inputs_[input].last.reset(); }
-
 std::optional<std::string> Watchdog::fault(const std::string& input, Stamp now) const {
   const auto found = inputs_.find(input);
   if (found == inputs_.end() || !found->second.last) return "no " + input + " yet";

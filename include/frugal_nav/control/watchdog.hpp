@@ -17,8 +17,6 @@ class Watchdog {
   bool feed(const std::string& input, Stamp stamp);
   /// Forgets all stamps.
   void reset();
-  /// Forgets one input's stamp.
-  void reset(const std::string& input);
 
   /// What is wrong with an input ("no scan yet", "scan is 0.61 s old, more than 0.50 s"); nullopt when it is
   /// fresh. An input that is not watched is a fault.
