@@ -259,6 +259,9 @@ DepthGap::DepthGap(DepthGap&&) noexcept = default;
 DepthGap& DepthGap::operator=(DepthGap&&) noexcept = default;
 
 DepthFrame DepthGap::look(const DepthView& view) { return impl_->look(view); }
+void DepthGap::setParams(const DepthGapParams& params) {
+  impl_ = std::make_unique<Impl>(std::move(impl_->network), params);
+}
 void DepthGap::reset() { impl_->reset(); }
 
 }  // namespace frugal_nav

@@ -27,6 +27,19 @@ double depthOf(const Eigen::Vector3d& p_odom, const DepthView& view) {
   return (view.base_from_optical.inverse() * Eigen::Vector3d(p_base.x(), p_base.y(), p_odom.z())).z();
 }
 
+/// Where the middle of the goal's head lies in the grid.
+std::optional<Eigen::Vector2d> cellOf(const KnownGoal& goal, const DepthView& view, const ViewRays& rays) {
+  if (goal.box_px.area() > 0.0) {
+    const cv::Point2d middle = 0.5 * (goal.box_px.tl() + goal.box_px.br());
+    return rays.toGrid({middle.x - 0.5, middle.y - 0.5});
+  }
+  const Eigen::Vector2d p = view.odom_from_base.inverse() * goal.p_odom;
+  const auto pixel = rays.camera().project(view.base_from_optical.inverse() *
+                                           Eigen::Vector3d(p.x(), p.y(), goal.above_floor_m));
+  if (!pixel) return std::nullopt;
+  return rays.toGrid(*pixel);
+}
+
 struct KnownDepth {
   Eigen::Vector2d cell;
   double depth_m;
@@ -83,8 +96,9 @@ std::vector<MetricSample> goalSamples(const DepthView& view, const ViewRays& ray
   if (!view.goal || !view.goal->seen) return {};
   const KnownGoal& goal = *view.goal;
   const double depth = depthOf({goal.p_odom.x(), goal.p_odom.y(), goal.above_floor_m}, view);
-  const cv::Point2d middle = 0.5 * (goal.box_px.tl() + goal.box_px.br());
-  const std::optional<float> z = sampleAt(inverse, rays.toGrid({middle.x - 0.5, middle.y - 0.5}));
+  const std::optional<Eigen::Vector2d> cell = cellOf(goal, view, rays);
+  if (!cell) return {};
+  const std::optional<float> z = sampleAt(inverse, *cell);
   const double sigma =
       std::max(least_relative_sigma * depth, std::sqrt(std::max(0.0, 0.5 * goal.covariance_m2.trace())));
   if (!z || !(depth > kNearest_m) || !std::isfinite(sigma)) return {};

@@ -41,8 +41,8 @@ struct KnownGoal {
   Eigen::Vector2d p_odom = Eigen::Vector2d::Zero();         ///< [m]
   Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Zero();  ///< of p_odom
   double above_floor_m = 0.0;                               ///< of the head's centre
-  bool seen = false;                                        ///< in this image: box_px holds
-  cv::Rect2d box_px;                                        ///< of the head
+  bool seen = false;                                        ///< in this image
+  cv::Rect2d box_px;  ///< of the head; empty: where its place lies in the image
 };
 
 /// One image and what it was taken with.
@@ -128,6 +128,9 @@ class DepthGap {
   /// Takes one image. One that cannot be used gives its fault, a scan of NaN and neither gap nor obstacle. A
   /// stamp before the last one forgets everything first.
   DepthFrame look(const DepthView& view);
+
+  /// Other parameters from the next image on; all is forgotten. Throws ConfigError on ones out of range.
+  void setParams(const DepthGapParams& params);
 
   /// Forgets scale, floor colour and obstacles.
   void reset();
