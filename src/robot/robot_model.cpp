@@ -198,14 +198,14 @@ Pose2 RobotModel::planarBaseFrom(const std::string& link) const {
   return {pose.translation().x(), pose.translation().y(), std::atan2(pose(1, 0), pose(0, 0))};
 }
 
-RobotModel parseRobot(const std::string& urdf_xml, const std::string& where) {
+RobotModel parseRobot(const std::string& urdf_xml, const std::string& where, const std::string& base_frame) {
   const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(urdf_xml);
   if (!model || !model->getRoot())
     throw ConfigError(where + ": is not a valid URDF (see the messages above)");
   RobotModel robot;
   robot.name = model->getName();
   collectLinks(model->getRoot(), Eigen::Isometry3d::Identity(), robot.base_from_link);
-  const Eigen::Isometry3d base_from_root = robot.baseFrom("base_link").inverse();
+  const Eigen::Isometry3d base_from_root = robot.baseFrom(base_frame).inverse();
   for (auto& [name, pose] : robot.base_from_link) pose = base_from_root * pose;
   for (const auto& [name, link] : model->links_) {
     collectShapes(*link, robot.baseFrom(name), robot);
@@ -218,7 +218,8 @@ RobotModel parseRobot(const std::string& urdf_xml, const std::string& where) {
   }
   robot.footprint = convexHull(floor_points);
   robot.drive = readDrive(*model, robot, where);
-  if (!(robot.inradius_m() > 0.0)) throw ConfigError(where + ": base_link lies outside the footprint");
+  if (!(robot.inradius_m() > 0.0))
+    throw ConfigError(where + ": " + base_frame + " lies outside the footprint");
   return robot;
 }
 

@@ -13,8 +13,8 @@ BaseControllerNodeParams loadParams(const ros::NodeHandle& pnh) {
   return params;
 }
 
-BaseGeometry loadGeometry(const ros::NodeHandle& pnh) {
-  const RobotModel robot = loadRobotDescription(pnh);
+BaseGeometry loadGeometry(const ros::NodeHandle& pnh, const std::string& base_frame) {
+  const RobotModel robot = loadRobotDescription(pnh, base_frame);
   return {robot.footprint, robot.drive.separation_m};
 }
 
@@ -32,7 +32,7 @@ bool isFault(BaseCommand::Reason reason) {
 
 BaseControllerNode::BaseControllerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
     : params_(loadParams(pnh)),
-      control_(params_.control, loadGeometry(pnh)),
+      control_(params_.control, loadGeometry(pnh, params_.base_frame)),
       diagnostics_(nh, pnh),
       sensors_(params_.base_frame) {
   cmd_vel_pub_ = nh.advertise<geometry_msgs::Twist>("cmd_vel", 10);
@@ -240,6 +240,11 @@ void BaseControllerNode::report(const BaseCommand& command) {
   diagnostics_.set("source", nameOf(command.source));
   diagnostics_.set("collision stop leaves", command.guard_share);
   diagnostics_.set("time jumps", static_cast<double>(control_.timeJumps()));
+}
+
+void BaseControllerNodelet::onInit() {
+  node_ = std::make_unique<BaseControllerNode>(getNodeHandle(), getPrivateNodeHandle());
+  last_word_ = std::make_unique<LastWord>(*getNodeHandle().getCallbackQueue(), [this] { node_->stop(); });
 }
 
 }  // namespace frugal_nav

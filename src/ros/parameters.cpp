@@ -72,7 +72,7 @@ ParamTree readParameterServer(const ros::NodeHandle& nh) {
   return tree;
 }
 
-RobotModel loadRobotDescription(const ros::NodeHandle& nh) {
+RobotModel loadRobotDescription(const ros::NodeHandle& nh, const std::string& base_frame) {
   std::string key;
   std::string urdf;
   if (!nh.searchParam("robot_description", key) || !nh.getParam(key, urdf)) {
@@ -80,7 +80,7 @@ RobotModel loadRobotDescription(const ros::NodeHandle& nh) {
         "parameter \"robot_description\" is not set: load the robot's URDF first, "
         "e.g. <param name=\"robot_description\" textfile=\"$(find frugal_nav)/urdf/frugal_bot.urdf\"/>");
   }
-  return parseRobot(urdf, key);
+  return parseRobot(urdf, key, base_frame);
 }
 
 }  // namespace frugal_nav

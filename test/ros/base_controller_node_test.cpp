@@ -436,15 +436,20 @@ TEST_F(BaseControllerNodeTest, ACycleWaitsForTheOdometryItRestsOn) {
   EXPECT_EQ(graph_->stamped.messages.back().header.stamp, graph_->clock.now());
 }
 
+using Arguments = std::vector<const char*>;
+
+const Arguments kNodelet{"rosrun", "nodelet", "nodelet", "standalone", "frugal_nav/base_controller"};
+
 /// Starts a second controller, waits until it commands, ends it, and expects its last word to be zero.
-void expectZeroAtExit(const std::function<void(pid_t)>& end) {
+void expectZeroAtExit(const std::function<void(pid_t)>& end, Arguments arguments = {}) {
   ros::NodeHandle nh("robot/leaving");
   test::Recorder<geometry_msgs::Twist> cmd_vel(nh, "cmd_vel");
   const std::string program = test::programPath("base_controller_node");
+  if (arguments.empty()) arguments = {program.c_str()};
+  arguments.insert(arguments.end(), {"__ns:=robot/leaving", "__name:=leaving", nullptr});
   const pid_t child = fork();
   if (child == 0) {
-    execl(program.c_str(), program.c_str(), "__ns:=robot/leaving", "__name:=leaving",
-          static_cast<char*>(nullptr));
+    execvp(arguments[0], const_cast<char* const*>(arguments.data()));
     _exit(127);
   }
   ASSERT_TRUE(cmd_vel.waitForPublisher());
@@ -471,6 +476,19 @@ TEST(BaseControllerNode, PublishesZeroWhenTerminated) {
 TEST(BaseControllerNode, PublishesZeroWhenKilledThroughRos) {
   expectZeroAtExit(
       [](pid_t) { EXPECT_EQ(std::system("rosnode kill /robot/leaving/leaving > /dev/null"), 0); });
+}
+
+TEST(BaseControllerNodelet, PublishesZeroWhenItsManagerIsInterrupted) {
+  expectZeroAtExit([](pid_t child) { kill(child, SIGINT); }, kNodelet);
+}
+
+TEST(BaseControllerNodelet, PublishesZeroWhenItsManagerIsTerminated) {
+  expectZeroAtExit([](pid_t child) { kill(child, SIGTERM); }, kNodelet);
+}
+
+TEST(BaseControllerNodelet, PublishesZeroWhenItsManagerIsKilledThroughRos) {
+  expectZeroAtExit(
+      [](pid_t) { EXPECT_EQ(std::system("rosnode kill /robot/leaving/leaving > /dev/null"), 0); }, kNodelet);
 }
 
 TEST(BaseControllerNode, AMissingRobotDescriptionIsNamed) {

@@ -24,7 +24,7 @@ struct SphereShape {
   double radius_m;
 };
 
-/// One shape of the robot, posed in base_link.
+/// One shape of the robot, posed in its base frame.
 struct RobotShape {
   std::string link;
   std::variant<BoxShape, CylinderShape, SphereShape> geometry;
@@ -62,12 +62,13 @@ struct RobotModel {
   Pose2 planarBaseFrom(const std::string& link) const;
 };
 
-/// Reads a robot from URDF text. `base_link` is the root or a link below a fixed base_footprint; the wheels
-/// are the two continuous joints whose names hold "left" and "right". Throws ConfigError that names what is
-/// missing.
-RobotModel parseRobot(const std::string& urdf_xml, const std::string& where);
+/// Reads a robot from URDF text, posed in the link `base_frame`: the root, or a link below a fixed
+/// base_footprint. The wheels are the two continuous joints whose names hold "left" and "right". Throws
+/// ConfigError that names what is missing.
+RobotModel parseRobot(const std::string& urdf_xml, const std::string& where,
+                      const std::string& base_frame = "base_link");
 
-/// Reads a robot from a URDF file.
+/// Reads a robot from a URDF file, posed in its base_link.
 RobotModel loadRobot(const std::string& path);
 
 }  // namespace frugal_nav

@@ -8,6 +8,7 @@
 #include <geometry_msgs/TwistStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
+#include <nodelet/nodelet.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 
@@ -17,6 +18,7 @@
 #include <frugal_nav/control/base_control.hpp>
 #include <frugal_nav/ros/base_controller_params.hpp>
 #include <frugal_nav/ros/diagnostics.hpp>
+#include <frugal_nav/ros/last_word.hpp>
 #include <frugal_nav/ros/live_parameters.hpp>
 #include <frugal_nav/ros/sensor_poses.hpp>
 
@@ -87,6 +89,15 @@ class BaseControllerNode {
   ros::Publisher cmd_vel_stamped_pub_;
   std::vector<ros::Subscriber> subscribers_;
   ros::Timer timer_;
+};
+
+/// The base controller as a nodelet: it must stop the base before its manager ends.
+class BaseControllerNodelet : public nodelet::Nodelet {
+ private:
+  void onInit() override;
+
+  std::unique_ptr<BaseControllerNode> node_;
+  std::unique_ptr<LastWord> last_word_;
 };
 
 }  // namespace frugal_nav

@@ -21,8 +21,9 @@ void loadParameters(const ros::NodeHandle& pnh, Params& params) {
   assign(readParameterServer(pnh), pnh.getNamespace(), params);
 }
 
-/// The robot of the parameter `robot_description`, searched upward from the node's namespace.
+/// The robot of the parameter `robot_description`, searched upward from the node's namespace; posed in its
+/// link `base_frame`.
 /// Throws ConfigError when it is not set or not a robot this package can drive.
-RobotModel loadRobotDescription(const ros::NodeHandle& nh);
+RobotModel loadRobotDescription(const ros::NodeHandle& nh, const std::string& base_frame = "base_link");
 
 }  // namespace frugal_nav

@@ -111,6 +111,15 @@ TEST(RobotModel, BaseLinkMayHangBelowAFootprint) {
   EXPECT_NEAR(model.baseFrom("left_wheel").translation().z(), 0.1, 1e-9);
 }
 
+TEST(RobotModel, IsPosedInTheFrameItIsAskedFor) {
+  const std::string urdf =
+      robot(wheel("left", 0.2) + wheel("right", -0.2) +
+            "<link name='chassis'/><joint name='c' type='fixed'><parent link='base_link'/><child "
+            "link='chassis'/><origin xyz='0.05 0 0'/></joint>");
+  const RobotModel model = parseRobot(urdf, "test.urdf", "chassis");
+  EXPECT_NEAR(model.baseFrom("base_link").translation().x(), -0.05, 1e-9);
+}
+
 TEST(RobotModel, RefusesABrokenUrdf) {
   EXPECT_NE(refusal("<robot name='r'><link").find("test.urdf"), std::string::npos);
   EXPECT_NE(refusal("").find("test.urdf"), std::string::npos);
