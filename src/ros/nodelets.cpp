@@ -9,7 +9,7 @@
 
 // Every node class is a nodelet too: PLUGINLIB_EXPORT_CLASS(frugal_nav::NodeletOf<frugal_nav::FooNode>,
 // nodelet::Nodelet)
-PLUGINLIB_EXPORT_CLASS(frugal_nav::NodeletOf<frugal_nav::BaseControllerNode>, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(frugal_nav::BaseControllerNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(frugal_nav::NodeletOf<frugal_nav::WheelOdometryNode>, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(frugal_nav::NodeletOf<frugal_nav::LidarAvoidanceNode>, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(frugal_nav::NodeletOf<frugal_nav::PlannerNode>, nodelet::Nodelet)
