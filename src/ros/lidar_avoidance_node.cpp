@@ -17,7 +17,7 @@ LidarAvoidanceNodeParams load(const ros::NodeHandle& pnh) {
 
 LidarAvoidanceNode::LidarAvoidanceNode(ros::NodeHandle nh, ros::NodeHandle pnh)
     : params_(load(pnh)),
-      body_(extentOf(loadRobotDescription(nh))),
+      body_(extentOf(loadRobotDescription(nh, params_.intake.base_frame))),
       avoidance_(params_.avoidance, body_),
       diagnostics_(nh, pnh) {
   diagnostics_.input("path");

@@ -19,7 +19,7 @@ PlannerNodeParams load(const ros::NodeHandle& pnh) {
 
 PlannerNode::PlannerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
     : params_(load(pnh)),
-      body_(extentOf(loadRobotDescription(nh))),
+      body_(extentOf(loadRobotDescription(nh, params_.intake.base_frame))),
       planner_(params_.planner, body_),
       diagnostics_(nh, pnh) {
   path_pub_ = nh.advertise<nav_msgs::Path>("path", 5);

@@ -26,7 +26,7 @@ std::ptrdiff_t indexOf(const sensor_msgs::JointState& msg, const std::string& jo
 
 WheelOdometryNode::WheelOdometryNode(ros::NodeHandle nh, ros::NodeHandle pnh)
     : params_(loadParams(pnh)),
-      robot_(loadRobotDescription(pnh)),
+      robot_(loadRobotDescription(pnh, params_.base_frame)),
       odometry_(params_.odometry, {robot_.drive.radius_m, robot_.drive.separation_m}),
       diagnostics_(nh, pnh) {
   odom_pub_ = nh.advertise<nav_msgs::Odometry>("odom", 50);
