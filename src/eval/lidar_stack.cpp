@@ -13,7 +13,8 @@ BodyExtent extentOf(const RobotModel& robot) { return {robot.halfWidth_m(), robo
 
 LidarStackParams loadLidarStack(const std::string& config_dir) {
   LidarStackParams params;
-  params.odometry = loadPart<WheelOdometryParams>({config_dir + "/wheel_odometry.yaml"});
+  params.odometry = loadPart<WheelOdometryParams>(
+      {config_dir + "/wheel_odometry.yaml", config_dir + "/simulated/wheel_odometry.yaml"});
   params.planner = loadPart<LidarPlannerParams>({config_dir + "/planner.yaml"});
   params.avoidance = loadPart<LidarAvoidanceParams>({config_dir + "/lidar_avoidance.yaml"});
   params.mission = loadPart<MissionParams>({config_dir + "/mission.yaml"});

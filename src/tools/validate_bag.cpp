@@ -4,15 +4,17 @@
 #include <string>
 #include <vector>
 
+#include <ros/package.h>
+
 #include <frugal_nav/common/params.hpp>
 #include <frugal_nav/ros/bag_check.hpp>
 
 namespace {
 
 constexpr const char* kUsage =
-    "usage: validate_bag FILE [--topics config/bag_topics.yaml] [--ns /NAMESPACE]\n"
-    "  Checks stamps and frames of every topic, and with --topics what must be there, its types, rates and "
-    "gaps.\n";
+    "usage: validate_bag FILE [--topics FILE.yaml|none] [--ns /NAMESPACE]\n"
+    "  Checks stamps and frames of every topic, and by the list of --topics what must be there, its types, "
+    "rates\n  and gaps. Without --topics the list is the package's config/bag_topics.yaml.\n";
 
 struct Command {
   std::string bag;
@@ -39,6 +41,14 @@ Command parse(const std::vector<std::string>& arguments) {
   return command;
 }
 
+std::string defaultTopics() {
+  const std::string folder = ros::package::getPath("frugal_nav");
+  if (folder.empty())
+    throw frugal_nav::ConfigError(
+        "ROS does not find the package frugal_nav: source its setup.bash, or give --topics");
+  return folder + "/config/bag_topics.yaml";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -48,9 +58,10 @@ int main(int argc, char** argv) {
     return arguments.empty() ? 2 : 0;
   }
   try {
-    const Command command = parse(arguments);
+    Command command = parse(arguments);
     std::vector<frugal_nav::TopicExpectation> expectations;
-    if (!command.topics.empty()) expectations = frugal_nav::readBagExpectations(command.topics);
+    if (command.topics.empty()) command.topics = defaultTopics();
+    if (command.topics != "none") expectations = frugal_nav::readBagExpectations(command.topics);
     const auto report = frugal_nav::checkBag(command.bag, expectations, command.name_space);
     std::cout << toText(report);
     std::cout << command.bag << ": "

@@ -166,12 +166,23 @@ TEST_F(BagCheck, NamespaceStandsBeforeTheNames) {
 
 TEST_F(BagCheck, ToolTellsByItsExitStatus) {
   write(nothing);
-  EXPECT_EQ(test::runProgram("validate_bag", path_).exit_code, 0);
-  const std::string topics = std::string(FRUGAL_NAV_SOURCE_DIR) + "/config/bag_topics.yaml";
-  const test::ProgramResult missing = test::runProgram("validate_bag", path_ + " --topics " + topics);
+  EXPECT_EQ(test::runProgram("validate_bag", path_ + " --topics none").exit_code, 0);
+  const test::ProgramResult missing = test::runProgram("validate_bag", path_);  // by the package's list
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_NE(missing.output.find("/odom: is missing"), std::string::npos) << missing.output;
   EXPECT_EQ(test::runProgram("validate_bag", path_ + " --topic x").exit_code, 2);
+}
+
+TEST(BagTopics, NoTicksAreNeededWhereOdometryIs) {
+  for (const TopicExpectation& expectation :
+       readBagExpectations(std::string(FRUGAL_NAV_SOURCE_DIR) + "/config/bag_topics.yaml")) {
+    if (expectation.topic == "wheel_ticks" || expectation.topic == "joint_states") {
+      EXPECT_FALSE(expectation.required) << expectation.topic;
+    }
+    if (expectation.topic == "odom" || expectation.topic == "scan") {
+      EXPECT_TRUE(expectation.required) << expectation.topic;
+    }
+  }
 }
 
 TEST(BagTopics, UnknownKeyIsNamed) {

@@ -61,8 +61,10 @@ TEST(LabDrive, WheelOdometryStaysNearTheTruth) {
   std::map<Stamp, Pose2> truth;
   for (const nav_msgs::Odometry& msg : readTopic<nav_msgs::Odometry>("ground_truth/odom"))
     truth[toStamp(msg.header.stamp)] = fromRos(msg)->odom_from_base;
-  const std::vector<Odometry> odometry = runWheelOdometry(
-      loadParamFile<WheelOdometryNodeParams>(kSource + "/config/wheel_odometry.yaml").odometry);
+  auto params = loadParamFile<WheelOdometryNodeParams>(kSource + "/config/wheel_odometry.yaml");
+  const std::string calibration = kSource + "/config/simulated/wheel_odometry.yaml";
+  assign(readParamFile(calibration), calibration, params);
+  const std::vector<Odometry> odometry = runWheelOdometry(params.odometry);
   ASSERT_GT(odometry.size(), 700U);  // 15 s at 50 Hz
 
   const Pose2 start_from_world = truth.at(odometry.front().stamp).inverse();

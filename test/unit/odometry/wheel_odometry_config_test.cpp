@@ -11,19 +11,22 @@ namespace {
 
 const std::string kFile = std::string(FRUGAL_NAV_SOURCE_DIR) + "/config/wheel_odometry.yaml";
 
-// The file documents every parameter and changes none but the calibration of the robot it comes with.
+// The file documents every parameter and changes none: whoever reads it knows the defaults.
 TEST(WheelOdometryNodeParams, TheFileHoldsEveryParameterWithItsDefault) {
-  WheelOdometryNodeParams loaded = loadParamFile<WheelOdometryNodeParams>(kFile);
-  const WheelOdometryParams defaults;
-  loaded.odometry.left_radius_multiplier = defaults.left_radius_multiplier;
-  loaded.odometry.right_radius_multiplier = defaults.right_radius_multiplier;
-  loaded.odometry.separation_multiplier = defaults.separation_multiplier;
+  const WheelOdometryNodeParams loaded = loadParamFile<WheelOdometryNodeParams>(kFile);
   EXPECT_EQ(toYaml(loaded), toYaml(WheelOdometryNodeParams{}));
   std::set<std::string> wanted;
   for (const FieldDescription& field : describe(WheelOdometryNodeParams{})) wanted.insert(field.name);
   std::set<std::string> found;
   for (const auto& [key, value] : readParamFile(kFile)) found.insert(key);
   EXPECT_EQ(found, wanted);
+}
+
+TEST(WheelOdometryNodeParams, TheSimulatedRobotsFileHoldsItsCalibrationAlone) {
+  const std::string file = std::string(FRUGAL_NAV_SOURCE_DIR) + "/config/simulated/wheel_odometry.yaml";
+  EXPECT_NO_THROW(loadParamFile<WheelOdometryNodeParams>(file));
+  for (const auto& [key, value] : readParamFile(file))
+    EXPECT_NE(key.find("_multiplier"), std::string::npos) << key;
 }
 
 }  // namespace
