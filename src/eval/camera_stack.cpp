@@ -80,7 +80,8 @@ CameraStackParams loadCameraStack(const std::string& share_dir) {
   params.models_dir = share_dir + "/models";
   params.detector = loadParamFile<YoloParams>(config + "models/heads.yaml");
   params.network = loadParamFile<DepthNetworkParams>(config + "models/depth_small.yaml");
-  params.odometry = loadPart<WheelOdometryParams>({config + "wheel_odometry.yaml"});
+  params.odometry = loadPart<WheelOdometryParams>(
+      {config + "wheel_odometry.yaml", config + "simulated/wheel_odometry.yaml"});
   params.range = loadPart<HeadRangeParams>({config + "goal_detector.yaml"}, "head/");
   params.tracker = loadPart<GoalTrackerParams>({config + "goal_detector.yaml"}, "tracker/");
   params.visual = loadPart<VisualOdometryParams>({config + "visual_odometry.yaml"});
