@@ -104,15 +104,18 @@ void SimulatorNode::advertise() {
 }
 
 void SimulatorNode::subscribe() {
+  // A queue of their own, so that commands are heard during a service call too.
+  ros::NodeHandle commands(nh_);
+  commands.setCallbackQueue(&command_queue_);
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   if (params_.lockstep) {
-    ros::NodeHandle waiting(nh_);
-    waiting.setCallbackQueue(&command_queue_);
-    command_subscriber_ = waiting.subscribe("cmd_vel_stamped", 100, &SimulatorNode::takeStampedCommand, this,
-                                            ros::TransportHints().tcpNoDelay());
+    command_subscriber_ =
+        commands.subscribe("cmd_vel_stamped", 100, &SimulatorNode::takeStampedCommand, this, hints);
   } else {
-    command_subscriber_ = nh_.subscribe<geometry_msgs::Twist>(
+    command_subscriber_ = commands.subscribe<geometry_msgs::Twist>(
         "cmd_vel", 10,
-        [this](const geometry_msgs::TwistConstPtr& msg) { takeCommand(*msg, simulator_->stamp()); });
+        [this](const geometry_msgs::TwistConstPtr& msg) { takeCommand(*msg, simulator_->stamp()); },
+        ros::VoidConstPtr(), hints);
   }
   services_ = {pnh_.advertiseService("pause", &SimulatorNode::pause, this),
                pnh_.advertiseService("resume", &SimulatorNode::resume, this),
@@ -187,6 +190,7 @@ void SimulatorNode::advance() {
 }
 
 void SimulatorNode::stepOnce() {
+  if (!params_.lockstep) command_queue_.callAvailable();
   switchSensors();
   publish(simulator_->step());
 }

@@ -1,6 +1,8 @@
 #include "support/ros_test.hpp"
 
+#include <chrono>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <string>
 
@@ -160,6 +162,17 @@ TEST_F(SimulatorNode, PausesAndSteps) {
   EXPECT_TRUE(waitUntil([&] { return now() == paused_at + ros::Duration(0.25); }));
   EXPECT_FALSE(step(-1.0).success);
   EXPECT_FALSE(step(std::numeric_limits<double>::quiet_NaN()).success);
+}
+
+TEST_F(SimulatorNode, HearsCommandsWhileItSteps) {
+  std_srvs::Trigger pause;
+  ASSERT_TRUE(ros::service::call("simulator/pause", pause));
+  const ros::Time begin = now();
+  std::future<bool> stepped = std::async(std::launch::async, [this] { return step(300.0).success != 0; });
+  ASSERT_TRUE(waitUntil([&] { return now() > begin + ros::Duration(1.0); })) << "no command before it steps";
+  drive(0.3, 0.0, [&] { return stepped.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+  EXPECT_TRUE(stepped.get());
+  EXPECT_TRUE(waitUntil([this] { return x_m() > 0.1; }));
 }
 
 TEST_F(SimulatorNode, ResetsTheRobotToAPose) {
