@@ -1,5 +1,10 @@
+#include "depth_suite.hpp"
+#include "detector_suite.hpp"
 #include "lidar_suite.hpp"
+#include "localization_suite.hpp"
 #include "odometry_suite.hpp"
+#include "pipeline_suite.hpp"
+#include "success_suite.hpp"
 
 #include <frugal_nav/eval/suite.hpp>
 
@@ -7,8 +12,10 @@ namespace frugal_nav::eval {
 
 const std::map<std::string, SuiteFactory>& suites() {
   static const std::map<std::string, SuiteFactory> kSuites = {
-      {"lidar", makeLidarSuite},
-      {"odometry", makeOdometrySuite},
+      {"depth", makeDepthSuite},       {"detector", makeDetectorSuite},
+      {"lidar", makeLidarSuite},       {"localization", makeLocalizationSuite},
+      {"odometry", makeOdometrySuite}, {"pipeline", makePipelineSuite},
+      {"success", makeSuccessSuite},
   };
   return kSuites;
 }

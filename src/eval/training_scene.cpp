@@ -79,9 +79,11 @@ void copyModel(const sim::Scene& from, const sim::Model& original, const Eigen::
 
 class Builder {
  public:
-  Builder(const TrainingStock& stock, Random& random) : stock_(stock), random_(random) {}
+  /// People look as appearances from `first_appearance` on say.
+  Builder(const TrainingStock& stock, Random& random, std::uint64_t first_appearance)
+      : stock_(stock), random_(random), first_appearance_(first_appearance) {}
 
-  TrainingScene build() {
+  TrainingScene build(bool with_people) {
     constexpr double kShippedWorld = 0.2;
     if (random_.chance(kShippedWorld)) {
       takeWorld();
@@ -91,7 +93,7 @@ class Builder {
     const double area = place_.floor.volume();
     const int things = static_cast<int>(std::min(22.0, std::ceil(area * random_.uniform(0.08, 0.45))));
     for (int i = 0; i < things; ++i) addThing(i);
-    const int people = random_.chance(0.1) ? 0 : random_.integer(1, 4);
+    const int people = !with_people || random_.chance(0.1) ? 0 : random_.integer(1, 4);
     for (int i = 0; i < people; ++i) addPerson(i);
     place_.people = sim::addPeople(place_.scene);
     for (const sim::PersonBody& body : place_.people)
@@ -276,7 +278,7 @@ class Builder {
   void addPerson(int number) {
     sim::Person person;
     person.name = "person_" + std::to_string(number);
-    person.appearance = static_cast<std::uint64_t>(random_.integer(0, 1 << 30)) + kFirstTrainingSeed;
+    person.appearance = first_appearance_ + static_cast<std::uint64_t>(random_.integer(0, last_appearance_));
     const Eigen::Vector2d p = drawPoint(0.35);
     const Pose2 pose{p.x(), p.y(), random_.uniform(-M_PI, M_PI)};
     person.waypoints.push_back({0.0, pose});
@@ -296,6 +298,8 @@ class Builder {
 
   const TrainingStock& stock_;
   Random& random_;
+  std::uint64_t first_appearance_;
+  int last_appearance_ = first_appearance_ < kFirstTrainingSeed ? 999999 : 1 << 30;
   TrainingScene place_;
   Paint floor_paint_;
   double height_m_ = 2.6;
@@ -330,7 +334,17 @@ TrainingScene makeTrainingScene(std::uint64_t seed, const TrainingStock& stock) 
                       "measured on");
   }
   Random random(seed, "training scene");
-  return Builder(stock, random).build();
+  return Builder(stock, random, kFirstTrainingSeed).build(true);
+}
+
+TrainingScene makeUnseenScene(std::uint64_t seed, const TrainingStock& stock, bool with_people) {
+  if (seed >= kFirstTrainingSeed) {
+    throw ConfigError("seed " + std::to_string(seed) +
+                      " is a training scene's: evaluation draws below 100000, " +
+                      "tuning from 500000 to 999999");
+  }
+  Random random(seed, "unseen scene");
+  return Builder(stock, random, 0).build(with_people);
 }
 
 }  // namespace frugal_nav::eval

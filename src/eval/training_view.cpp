@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kClearance_m = 0.25;
+constexpr int kAttempts = 120;
 
 /// Where a camera stands and where it looks, on the floor plan.
 struct Stand {
@@ -26,6 +27,29 @@ Stand lookAt(const Eigen::Vector2d& target, double nearest_m, double farthest_m,
   return stand;
 }
 
+/// A camera at a point that looks along a yaw, pitched up.
+Eigen::Isometry3d opticalPose(const Eigen::Vector3d& p, double yaw_rad, double pitch_rad, double roll_rad) {
+  Eigen::Matrix3d ahead_from_optical;  // of a camera that looks along x
+  ahead_from_optical << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = p;
+  pose.linear() = (Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(-pitch_rad, Eigen::Vector3d::UnitY()) *
+                   Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX()))
+                      .toRotationMatrix() *
+                  ahead_from_optical;
+  return pose;
+}
+
+/// The middle of somebody's head.
+Eigen::Vector3d middleOfHead(const TrainingScene& place, const sim::PersonBody& body) {
+  const sim::Model& model = place.scene.models[static_cast<std::size_t>(body.model)];
+  const sim::Visual& head = model.visuals[static_cast<std::size_t>(body.head)];
+  constexpr double kMiddleOverNeck_m = 0.16;
+  return (model.world_from_model * head.model_from_visual).translation() +
+         kMiddleOverNeck_m * Eigen::Vector3d::UnitZ();
+}
+
 enum class Wish { kHead, kPerson, kThing, kAnything };
 
 Wish drawWish(const TrainingScene& place, Random& random) {
@@ -38,14 +62,11 @@ Stand drawStand(const TrainingScene& place, Wish wish, double fov_rad, Random& r
   if (wish == Wish::kHead || wish == Wish::kPerson) {
     const auto last = static_cast<int>(place.people.size()) - 1;
     const sim::PersonBody& body = place.people[static_cast<std::size_t>(random.integer(0, last))];
-    const sim::Model& model = place.scene.models[static_cast<std::size_t>(body.model)];
-    const sim::Visual& head = model.visuals[static_cast<std::size_t>(body.head)];
-    const Eigen::Vector3d neck = (model.world_from_model * head.model_from_visual).translation();
+    const Eigen::Vector3d head = middleOfHead(place, body);
     // Nearer than this a standing person's head is above the picture.
     const double nearest_m = wish == Wish::kHead ? 1.6 : 0.8;
-    Stand stand = lookAt(neck.head<2>(), nearest_m, 7.0, 0.45 * fov_rad, random);
-    constexpr double kMiddleOverNeck_m = 0.16;
-    if (wish == Wish::kHead) stand.must_see = neck + kMiddleOverNeck_m * Eigen::Vector3d::UnitZ();
+    Stand stand = lookAt(head.head<2>(), nearest_m, 7.0, 0.45 * fov_rad, random);
+    if (wish == Wish::kHead) stand.must_see = head;
     return stand;
   }
   if (wish == Wish::kThing) {
@@ -122,20 +143,29 @@ std::optional<TrainingView> drawTrainingView(const TrainingScene& place, const s
   view.pitch_rad = kDegree * (usual ? random.uniform(2.0, 8.0) : random.uniform(-10.0, 10.0));
   const double roll_rad = kDegree * random.normal(0.7);
   const Wish wish = drawWish(place, random);
-  constexpr int kAttempts = 120;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const Stand stand = drawStand(place, wish, view.camera.horizontal_fov_rad, random);
     const Eigen::Vector3d p(stand.position_m.x(), stand.position_m.y(), view.camera_height_m);
     if (!isFree(place, tracer, p) || !seesEnough(tracer, p, stand)) continue;
-    Eigen::Matrix3d ahead_from_optical;  // of a camera that looks along x
-    ahead_from_optical << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-    view.world_from_optical.translation() = p;
-    view.world_from_optical.linear() = (Eigen::AngleAxisd(stand.yaw_rad, Eigen::Vector3d::UnitZ()) *
-                                        Eigen::AngleAxisd(-view.pitch_rad, Eigen::Vector3d::UnitY()) *
-                                        Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX()))
-                                           .toRotationMatrix() *
-                                       ahead_from_optical;
+    view.world_from_optical = opticalPose(p, stand.yaw_rad, view.pitch_rad, roll_rad);
     return view;
+  }
+  return std::nullopt;
+}
+
+std::optional<Eigen::Isometry3d> drawHeadView(const TrainingScene& place, const sim::RayTracer& tracer,
+                                              double camera_height_m, double pitch_rad, double fov_rad,
+                                              Random& random) {
+  if (place.people.empty()) return std::nullopt;
+  const auto last = static_cast<int>(place.people.size()) - 1;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const auto person = static_cast<std::size_t>(random.integer(0, last));
+    const Eigen::Vector3d head = middleOfHead(place, place.people[person]);
+    Stand stand = lookAt(head.head<2>(), 2.0, 6.0, 0.4 * fov_rad, random);
+    stand.must_see = head;
+    const Eigen::Vector3d p(stand.position_m.x(), stand.position_m.y(), camera_height_m);
+    if (isFree(place, tracer, p) && seesEnough(tracer, p, stand))
+      return opticalPose(p, stand.yaw_rad, pitch_rad, 0.0);
   }
   return std::nullopt;
 }

@@ -74,15 +74,15 @@ Pinhole pinholeOf(const sim::Camera& camera) {
 
 DriveRecording recordDrive(const sim::Scene& scene, const RobotModel& robot, sim::SimulatorParams params,
                            std::uint64_t seed, const Pose2& world_from_start,
-                           const std::vector<DriveLeg>& legs, const DriveSpeed& speed) {
+                           const std::vector<DriveLeg>& legs, const DriveSpeed& speed,
+                           WheelOdometryParams wheel_params) {
   params.sensors = {true, false, false, true, false};
   sim::Simulator simulator(scene, robot, params, seed, world_from_start);
-  WheelOdometryParams odometry_params;
-  odometry_params.ticks_per_revolution = params.encoders.ticks_per_revolution;
-  odometry_params.start_x_m = world_from_start.x_m;
-  odometry_params.start_y_m = world_from_start.y_m;
-  odometry_params.start_yaw_rad = world_from_start.yaw_rad;
-  WheelOdometry wheels(odometry_params, {robot.drive.radius_m, robot.drive.separation_m});
+  wheel_params.ticks_per_revolution = params.encoders.ticks_per_revolution;
+  wheel_params.start_x_m = world_from_start.x_m;
+  wheel_params.start_y_m = world_from_start.y_m;
+  wheel_params.start_yaw_rad = world_from_start.yaw_rad;
+  WheelOdometry wheels(wheel_params, {robot.drive.radius_m, robot.drive.separation_m});
   OdometryBuffer buffer;
   OdometryBuffer truths;
   LegDriver driver(legs, speed, world_from_start);

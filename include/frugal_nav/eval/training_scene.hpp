@@ -43,6 +43,10 @@ struct TrainingScene {
 /// gives the same scene. Throws ConfigError for a seed below kFirstTrainingSeed.
 TrainingScene makeTrainingScene(std::uint64_t seed, const TrainingStock& stock);
 
+/// A scene of the same kind for evaluation or tuning: neither room, things nor people are those of a training
+/// scene. Throws ConfigError for a seed from kFirstTrainingSeed on.
+TrainingScene makeUnseenScene(std::uint64_t seed, const TrainingStock& stock, bool with_people = true);
+
 /// A camera in a training scene.
 struct TrainingView {
   Eigen::Isometry3d world_from_optical = Eigen::Isometry3d::Identity();
@@ -56,5 +60,11 @@ struct TrainingView {
 /// when no such place is found.
 std::optional<TrainingView> drawTrainingView(const TrainingScene& place, const sim::RayTracer& tracer,
                                              int width_px, Random& random);
+
+/// Draws a pose of a given camera, mounted that high and pitched that much, from which a head is in sight, 2
+/// to 6 m away on the ground and likely whole. Nothing when no such place is found.
+std::optional<Eigen::Isometry3d> drawHeadView(const TrainingScene& place, const sim::RayTracer& tracer,
+                                              double camera_height_m, double pitch_rad, double fov_rad,
+                                              Random& random);
 
 }  // namespace frugal_nav::eval

@@ -9,6 +9,7 @@
 #include <frugal_nav/common/geometry.hpp>
 #include <frugal_nav/common/pinhole.hpp>
 #include <frugal_nav/odometry/visual_odometry.hpp>
+#include <frugal_nav/odometry/wheel_odometry.hpp>
 #include <frugal_nav/robot/robot_model.hpp>
 #include <frugal_nav/sim/simulator.hpp>
 
@@ -46,10 +47,12 @@ struct DriveRecording {
   int contacts = 0;
 };
 
-/// Drives legs in a scene by wheel odometry and records the camera. Throws ConfigError as the Simulator.
+/// Drives legs in a scene by wheel odometry and records the camera; `wheels` without its starting pose and
+/// ticks, which are the simulation's. Throws ConfigError as the Simulator.
 DriveRecording recordDrive(const sim::Scene& scene, const RobotModel& robot, sim::SimulatorParams params,
                            std::uint64_t seed, const Pose2& world_from_start,
-                           const std::vector<DriveLeg>& legs, const DriveSpeed& speed = {});
+                           const std::vector<DriveLeg>& legs, const DriveSpeed& speed = {},
+                           WheelOdometryParams wheels = {});
 
 /// Visual odometry over a recording.
 struct VisualDriveResult {
