@@ -12,6 +12,7 @@ namespace frugal_nav {
 namespace {
 
 constexpr double kHuber_px = 1.0;
+constexpr double kNearest_m = 0.01;  // a point that a camera has nearer, or behind it, is no sight of it
 constexpr double kCauchySigmas = 2.0;  // a wheel distance off by more is taken for slip
 
 /// camera_from_odom as an angle-axis vector and a translation.
@@ -172,10 +173,12 @@ class Problem {
 
  private:
   void addSights(std::size_t keyframe) {
+    const Eigen::Isometry3d camera_from_odom = map_.keyframes()[keyframe].odom_from_camera.inverse();
     for (const auto& [id, ray] : map_.keyframes()[keyframe].rays) {
       const auto landmark = map_.landmarks().find(id);
       if (landmark == map_.landmarks().end()) continue;
       const Eigen::Vector3d& p = landmark->second.p_odom;
+      if ((camera_from_odom * p).z() < kNearest_m) continue;  // one such would end the adjustment of all
       const auto place = index_.emplace(id, points_.size());
       if (place.second) points_.push_back({id, {p.x(), p.y(), p.z()}});
       problem_.AddResidualBlock(

@@ -1,4 +1,6 @@
 #include <cmath>
+#include <map>
+#include <tuple>
 
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/point_cloud.h>
@@ -9,7 +11,10 @@
 namespace frugal_nav {
 namespace {
 
-constexpr double kReach_m = 500.0;  // farther points would overflow the filter's voxel index
+constexpr double kReach_m = 500.0;      // farther points are no part of a building
+constexpr double kBlock_voxels = 1000;  // PCL numbers the voxels of a cloud with 31 bits
+
+using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
 }  // namespace
 
@@ -32,17 +37,27 @@ const std::vector<Eigen::Vector3f>& VisualCloud::points() const {
 }
 
 void VisualCloud::filter() const {
-  const auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  for (const Eigen::Vector3f& p : points_) cloud->emplace_back(p.x(), p.y(), p.z());
-  pcl::VoxelGrid<pcl::PointXYZ> grid;
   const auto leaf = static_cast<float>(voxel_m_);
-  grid.setLeafSize(leaf, leaf, leaf);
-  grid.setInputCloud(cloud);
-  pcl::PointCloud<pcl::PointXYZ> kept;
-  grid.filter(kept);
+  const auto blockOf = [block_m = kBlock_voxels * voxel_m_](float x) {
+    return static_cast<int>(std::floor(static_cast<double>(x) / block_m));
+  };
+  std::map<std::tuple<int, int, int>, Cloud::Ptr> blocks;
+  for (const Eigen::Vector3f& p : points_) {
+    Cloud::Ptr& block = blocks[{blockOf(p.x()), blockOf(p.y()), blockOf(p.z())}];
+    if (!block) block = pcl::make_shared<Cloud>();
+    block->emplace_back(p.x(), p.y(), p.z());
+  }
   points_.clear();
-  const std::size_t skipped = kept.size() > max_points_ ? kept.size() - max_points_ : 0;
-  for (std::size_t i = skipped; i < kept.size(); ++i) points_.push_back(kept[i].getVector3fMap());
+  pcl::VoxelGrid<pcl::PointXYZ> grid;
+  grid.setLeafSize(leaf, leaf, leaf);
+  for (const auto& [index, block] : blocks) {
+    grid.setInputCloud(block);
+    Cloud kept;
+    grid.filter(kept);
+    for (const pcl::PointXYZ& p : kept) points_.push_back(p.getVector3fMap());
+  }
+  if (points_.size() > max_points_)
+    points_.erase(points_.begin(), points_.end() - static_cast<std::ptrdiff_t>(max_points_));
   is_filtered_ = true;
 }
 

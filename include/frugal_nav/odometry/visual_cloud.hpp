@@ -9,7 +9,7 @@ namespace frugal_nav {
 /// The accumulated map of visual odometry: one mean point a voxel.
 class VisualCloud {
  public:
-  /// Voxels are cubes of this side [m]; at most `max_points` are kept, the oldest go first.
+  /// Voxels are cubes of this side [m]; at most `max_points` are kept.
   explicit VisualCloud(double voxel_m = 0.05, std::size_t max_points = 200000)
       : voxel_m_(voxel_m), max_points_(max_points) {}
 
