@@ -115,6 +115,11 @@ void convert(const std::string& key, const ParamValue& from, const std::string& 
     to = static_cast<double>(*integer);
     return;
   }
+  const auto* numbers = std::get_if<std::vector<double>>(&from);
+  if (numbers != nullptr && numbers->empty() && std::holds_alternative<std::vector<std::string>>(to)) {
+    to = std::vector<std::string>();  // an empty list does not tell what it would hold
+    return;
+  }
   throw ConfigError(where + ": parameter \"" + key + "\" must be " + typeName(to) + ", but it is " +
                     typeName(from) + " (" + valueText(from) + ")");
 }

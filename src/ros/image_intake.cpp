@@ -99,7 +99,8 @@ void ImageIntake::onTimer() {
   time_.checkClock();
   process();
   const ros::Time now = ros::Time::now();
-  last_heard_ = std::min(last_heard_, now);  // which may have jumped back
+  const bool clock_began = last_heard_.isZero();                 // simulated time comes after the nodes
+  last_heard_ = clock_began ? now : std::min(last_heard_, now);  // which may have jumped back
   if (!image_sub_ || (now - last_heard_).toSec() <= params_.silent_after_s) return;
   const std::string silence = "no image on " + nh_.resolveName(kImage) + ": is the camera's driver running?";
   diagnostics_.status(diagnostic_msgs::DiagnosticStatus::WARN, silence);

@@ -10,16 +10,18 @@ void TimeJumpWatch::checkStamp(const std::string& input, Stamp stamp) {
   const auto last = last_stamps_.find(input);
   if (last != last_stamps_.end() && stamp < last->second) {
     tell(input, stamp);
-    stamps_jumped_ = true;
+    stamps_jumped_ = last_now_;
   }
   last_stamps_[input] = stamp;
 }
 
 void TimeJumpWatch::checkClock() {
   const ros::Time now = ros::Time::now();
+  constexpr double kFollows_s = 1.0;  // or its jump was too small to be seen, and the next is another
+  const bool may_follow = !stamps_jumped_.isZero() && (last_now_ - stamps_jumped_).toSec() < kFollows_s;
   if (now < last_now_) {
-    if (!stamps_jumped_) tell("ROS time", toStamp(now));
-    stamps_jumped_ = false;
+    if (!may_follow) tell("ROS time", toStamp(now));
+    stamps_jumped_ = ros::Time();
   }
   last_now_ = now;
 }

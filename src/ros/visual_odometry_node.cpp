@@ -34,9 +34,7 @@ VisualOdometryNode::VisualOdometryNode(ros::NodeHandle nh, ros::NodeHandle pnh)
                                 ros::TransportHints().tcpNoDelay());
   }
   live_ = tuneLive<VisualOdometryNodeParams>(pnh, params_, [this](const VisualOdometryNodeParams& wanted) {
-    params_.odometry = wanted.odometry;
-    params_.obstacle = wanted.obstacle;
-    params_.map_output = wanted.map_output;
+    params_ = wanted;
     forget();
   });
 }

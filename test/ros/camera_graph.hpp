@@ -1,8 +1,8 @@
 #pragma once
 
-#include <limits>
 #include <string>
 
+#include <Eigen/Geometry>
 #include <geometry_msgs/TransformStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <opencv2/core.hpp>
@@ -20,7 +20,8 @@ namespace frugal_nav::test {
 /// floor that looks level ahead, a robot at `pose`.
 class CameraGraph {
  public:
-  CameraGraph() {
+  /// Topics are those of a namespace; empty: the test's own.
+  explicit CameraGraph(const std::string& name_space = "") : nh(name_space) {
     image_pub_ = nh.advertise<sensor_msgs::Image>("camera/image_raw", 10);
     info_pub_ = nh.advertise<sensor_msgs::CameraInfo>("camera/camera_info", 10);
     odometry_pub_ = nh.advertise<nav_msgs::Odometry>("odom", 10);
@@ -33,6 +34,14 @@ class CameraGraph {
     camera.transform.rotation.z = -0.5;
     camera.transform.rotation.w = 0.5;
     tf_.sendTransform(camera);
+  }
+
+  /// base_from_optical
+  static Eigen::Isometry3d mount() {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+    pose.translation().z() = 0.4;
+    return pose;
   }
 
   bool connect() {
@@ -84,5 +93,18 @@ class CameraGraph {
   ros::Publisher odometry_pub_;
   tf2_ros::StaticTransformBroadcaster tf_;
 };
+
+/// Waits for the answer to the image of that stamp.
+template <class Message>
+const Message* answerAt(const Recorder<Message>& recorder, ros::Time stamp) {
+  const Message* found = nullptr;
+  waitUntil([&] {
+    for (const Message& message : recorder.messages) {
+      if (message.header.stamp == stamp) found = &message;
+    }
+    return found != nullptr;
+  });
+  return found;
+}
 
 }  // namespace frugal_nav::test

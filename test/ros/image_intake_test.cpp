@@ -1,5 +1,8 @@
 #include "camera_graph.hpp"
 
+#include <deque>
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <std_msgs/Empty.h>
@@ -15,7 +18,8 @@ using testing::HasSubstr;
 class ImageIntakeTest : public testing::Test {
  protected:
   void listen() {
-    listener_ = graph_.nh.subscribe<std_msgs::Empty>("output", 1, +[](const std_msgs::EmptyConstPtr&) {});
+    listener_ = graph_.nh.subscribe<std_msgs::Empty>(
+        "output", 1, +[](const std_msgs::EmptyConstPtr&) {});
     ASSERT_TRUE(graph_.connect());
   }
   void SetUp() override { listen(); }

@@ -19,16 +19,18 @@ struct DetectorChoice {
   template <class Visitor>
   void fields(Visitor&& visit) {
     visit("model", model,
-          Field{"",
-                "one of config/models (heads, yolov7, yolox_nano, yunet, haar_faces, ...), or the path of "
-                "such a file"});
+          atStart(Field{
+              "",
+              "one of config/models (heads, yolov7, yolox_nano, yunet, haar_faces, ...), or the path of "
+              "such a file"}));
     visit("model_file", model_file,
-          Field{"",
-                "the network's file in place of the one that the model names; of a .cfg, the .weights lie "
-                "beside it"});
+          atStart(Field{
+              "",
+              "the network's file in place of the one that the model names; of a .cfg, the .weights lie "
+              "beside it"}));
     visit("models_folder", models_folder,
-          Field{"", "where files without a path lie; empty: the package's folder models"});
-    visit("wanted", wanted, Field{"", "labels to look for; empty: those that the model names"});
+          atStart(Field{"", "where files without a path lie; empty: the package's folder models"}));
+    visit("wanted", wanted, atStart(Field{"", "labels to look for; empty: those that the model names"}));
   }
 };
 

@@ -28,7 +28,7 @@ class TimeJumpWatch {
   std::function<void(Stamp now)> jumped_;
   std::map<std::string, Stamp> last_stamps_;
   ros::Time last_now_;
-  bool stamps_jumped_ = false;  // and ROS time has yet to follow: the same jump
+  ros::Time stamps_jumped_;  // when, in the old time, they did; ROS time may yet follow: the same jump
 };
 
 }  // namespace frugal_nav

@@ -16,7 +16,7 @@ struct VisualMapOutputParams {
   void fields(Visitor&& visit) {
     visit("voxel_m", voxel_m, Field{"m", "side of the cubes that keep one mean point each", 0.005, 1.0});
     visit("max_points", max_points,
-          Field{"", "the oldest go first: 200000 are 3 MB, a building's floor", 100, 10000000});
+          Field{"", "points kept: 200000 are 3 MB, a building's floor", 100, 10000000});
     visit("period_s", period_s,
           Field{"s", "time between two publications, only while someone listens", 0.05, 60.0});
   }
@@ -35,7 +35,7 @@ struct VisualOdometryNodeParams {
   void fields(Visitor&& visit) {
     intake.fields(visit);
     visit("use_region", use_region,
-          Field{"", "whether the region of obstacle/nearest is searched for more features"});
+          atStart(Field{"", "whether the region of obstacle/nearest is searched for more features"}));
     visit("region_age_s", region_age_s,
           Field{"s", "an older region is of no use: the robot has moved on", 0.05, 10.0});
     odometry.fields(visit);

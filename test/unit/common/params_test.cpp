@@ -77,6 +77,12 @@ TEST(Params, ConvertsAnIntegerToANumber) {
   EXPECT_EQ(params.max_v_mps, 1.0);
 }
 
+TEST(Params, AnEmptyListIsOneOfTexts) {  // YAML and the parameter server cannot tell
+  DriveParams params;
+  assign({{"sources", std::vector<double>()}}, "drive.yaml", params);
+  EXPECT_TRUE(params.sources.empty());
+}
+
 TEST(Params, RefusesAWrongType) {
   expectNames(refusal({{"cycles", 2.5}}), {"drive.yaml", "cycles", "an integer", "2.5"});
   expectNames(refusal({{"max_v_mps", std::string("fast")}}), {"max_v_mps", "a number", "fast"});
