@@ -42,6 +42,15 @@ CameraPlanner::CameraPlanner(const CameraPlannerParams& params, const BodyExtent
   validate(params, "camera planner");
 }
 
+void CameraPlanner::setParams(const CameraPlannerParams& params) {
+  validate(params, "camera planner");
+  params_ = params;
+  memory_.setParams(params.memory);
+  cost_map_ = CostMap(mapParams(params, body_), body_, memory_.grid());
+  astar_.setParams(params.astar);
+  path_.clear();
+}
+
 void CameraPlanner::setGoal(const std::optional<Pose2>& odom_from_goal,
                             const std::optional<Eigen::Vector2d>& p_odom_person) {
   if (!odom_from_goal) {

@@ -41,6 +41,11 @@ ModifiedAStar::ModifiedAStar(const ModifiedAStarParams& params) : params_(params
   validate(params, "modified A*");
 }
 
+void ModifiedAStar::setParams(const ModifiedAStarParams& params) {
+  validate(params, "modified A*");
+  params_ = params;
+}
+
 void ModifiedAStar::startMission(const Eigen::Vector2d& start, const Eigen::Vector2d& goal) {
   start_ = start;
   h0_m_ = std::max((goal - start).norm(), params_.cell_m);

@@ -18,6 +18,13 @@ ObstacleMemory::ObstacleMemory(const ObstacleMemoryParams& params)
   validate(params, "obstacle memory");
 }
 
+void ObstacleMemory::setParams(const ObstacleMemoryParams& params) {
+  validate(params, "obstacle memory");
+  params_ = params;
+  grid_.setParams(params.grid);
+  tracker_.setParams(params.tracker);
+}
+
 void ObstacleMemory::reset() {
   grid_.reset();
   tracker_.reset();

@@ -60,6 +60,11 @@ ObstacleTracker::ObstacleTracker(const ObstacleTrackerParams& params) : params_(
   validate(params, "obstacle tracker");
 }
 
+void ObstacleTracker::setParams(const ObstacleTrackerParams& params) {
+  validate(params, "obstacle tracker");
+  params_ = params;
+}
+
 std::vector<TrackedObstacle> ObstacleTracker::moving() const {
   std::vector<TrackedObstacle> found;
   std::copy_if(tracks_.begin(), tracks_.end(), std::back_inserter(found),

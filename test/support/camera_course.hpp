@@ -181,7 +181,7 @@ class CourseDrive {
   }
 
   CameraObservation observe(double now_s) {
-    constexpr std::size_t kBeams = 80;
+    constexpr std::size_t kBeams = 120;
     constexpr double kLongest_m = 6.0;
     CameraObservation seen;
     seen.stamp = stampFromSeconds(100.0 + now_s);
@@ -399,6 +399,29 @@ inline Course randomCourse(std::uint64_t seed, bool with_walker, double speed_mp
     walker.start += late_s * walker.velocity_mps;
     walker.start_s = std::max(0.0, there_s - from / speed);
     course.walkers.push_back(walker);
+  }
+  return course;
+}
+
+/// A wall across the room whose only opening is `gap_m` wide; thick as a shelf, or two obstacles that stand
+/// not quite in line.
+inline Course gateCourse(std::uint64_t seed, double gap_m) {
+  Random random(seed, "gate");
+  Course course;
+  const double distance = random.uniform(4.0, 6.0);
+  course.person = {distance, random.uniform(-0.3, 0.3)};
+  course.start = {0.0, 0.0, random.uniform(-0.3, 0.3)};
+  constexpr double kHalf_m = 1.8;
+  course.box(distance / 2, kHalf_m + 0.05, distance + 4.0, 0.1);
+  course.box(distance / 2, -kHalf_m - 0.05, distance + 4.0, 0.1);
+  course.box(distance + 1.5, 0.0, 0.1, 2.0 * kHalf_m).box(-1.5, 0.0, 0.1, 2.0 * kHalf_m);
+  const double x = random.uniform(1.5, distance - 2.0);
+  const double middle = random.uniform(-0.8, 0.8);
+  for (const double side : {-1.0, 1.0}) {
+    const double edge = middle + side * gap_m / 2;
+    const double beyond = side * kHalf_m;
+    course.box(x + random.uniform(-0.1, 0.1), (edge + beyond) / 2, random.uniform(0.2, 0.5),
+               std::abs(beyond - edge));
   }
   return course;
 }

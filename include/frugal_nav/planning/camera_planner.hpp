@@ -46,7 +46,7 @@ struct ReplanParams {
 struct CameraPlannerParams {
   ModifiedAStarParams astar;
   ObstacleMemoryParams memory;
-  CostMapParams cost{0.05, 0.55, 6.0, 1.5};  // lethal margin, inflation, clearance weight, unknown weight
+  CostMapParams cost{0.015, 0.55, 6.0, 1.5};
   ReplanParams replan;
   RightOfWayParams right_of_way;
   double halt_width_factor = 2.0;
@@ -136,6 +136,10 @@ class CameraPlanner {
  public:
   /// Throws ConfigError on parameters out of range.
   CameraPlanner(const CameraPlannerParams& params, const BodyExtent& body);
+
+  /// Other parameters from the next image on; what was seen stays, unless the memory's window or cells
+  /// change. Throws ConfigError, and then nothing changes.
+  void setParams(const CameraPlannerParams& params);
 
   /// Where to go, in odom, and the person standing there, who is no obstacle; nothing: nowhere. A goal that
   /// follows one is the same mission's, which has moved.

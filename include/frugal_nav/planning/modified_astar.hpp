@@ -81,6 +81,8 @@ class ModifiedAStar {
 
   /// Throws ConfigError on parameters out of range.
   explicit ModifiedAStar(const ModifiedAStarParams& params);
+  /// Other parameters from the next plan on; the mission stays. Throws ConfigError.
+  void setParams(const ModifiedAStarParams& params);
 
   /// A new mission: where it started and where it leads, in odom.
   void startMission(const Eigen::Vector2d& start, const Eigen::Vector2d& goal);

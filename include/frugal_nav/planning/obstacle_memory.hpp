@@ -50,6 +50,8 @@ class ObstacleMemory {
  public:
   /// Throws ConfigError on parameters out of range.
   explicit ObstacleMemory(const ObstacleMemoryParams& params);
+  /// Other parameters from the next image on; another window or cell size forgets. Throws ConfigError.
+  void setParams(const ObstacleMemoryParams& params);
 
   /// Takes in what one image shows: a sound scan in base_link, the nearest obstacle, and the person who is
   /// the goal and no obstacle, if there is one.

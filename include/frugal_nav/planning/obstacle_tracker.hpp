@@ -18,14 +18,14 @@ struct ObstacleTrackerParams {
   double max_range_m = 4.5;
   double largest_m = 0.9;
   double jump_m = 0.35;
-  double sigma_m = 0.05;
+  double sigma_m = 0.04;
   double range_sigma_share = 0.04;
   double bearing_sigma_rad = 0.02;
   double start_speed_mps = 0.6;
-  double acceleration_mps2 = 0.5;
+  double acceleration_mps2 = 0.25;
   double fastest_mps = 1.6;
   double slowest_mps = 0.18;
-  double significance = 3.0;
+  double significance = 2.5;
   int least_sightings = 3;
   double out_of_view_s = 2.5;
   double unseen_s = 0.9;
@@ -93,6 +93,8 @@ class ObstacleTracker {
  public:
   /// Throws ConfigError on parameters out of range.
   explicit ObstacleTracker(const ObstacleTrackerParams& params);
+  /// Other parameters from the next scan on. Throws ConfigError.
+  void setParams(const ObstacleTrackerParams& params);
 
   /// Takes a scan in base_link in; stamps ascend. Objects at places that `ignore` accepts are left out.
   void update(const LaserScan& scan, const Pose2& odom_from_base,

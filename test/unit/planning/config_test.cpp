@@ -26,6 +26,10 @@ void expectComplete(const std::string& name) {
 
 TEST(PlannerConfig, HoldsEveryParameter) { expectComplete<PlannerNodeParams>("planner.yaml"); }
 
+TEST(CameraPlannerConfig, HoldsEveryParameter) {
+  expectComplete<CameraPlannerNodeParams>("camera_planner.yaml");
+}
+
 TEST(LidarAvoidanceConfig, HoldsEveryParameter) {
   expectComplete<LidarAvoidanceNodeParams>("lidar_avoidance.yaml");
 }
