@@ -1,6 +1,6 @@
 #include <frugal_nav/ros/node_main.hpp>
-#include <frugal_nav/ros/planner_node.hpp>
+#include <frugal_nav/ros/any_planner_node.hpp>
 
 int main(int argc, char** argv) {
-  return frugal_nav::runNode<frugal_nav::PlannerNode>(argc, argv, "planner");
+  return frugal_nav::runNode<frugal_nav::AnyPlannerNode>(argc, argv, "planner");
 }
