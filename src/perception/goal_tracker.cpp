@@ -135,6 +135,10 @@ void GoalTracker::updateCandidate(Stamp stamp, std::vector<Seen>& seen) {
   }
 }
 
+void GoalTracker::doubt(double sigma_m) {
+  if (goal_) goal_->goal.covariance_m2 += sigma_m * sigma_m * Eigen::Matrix2d::Identity();
+}
+
 std::optional<TrackedGoal> GoalTracker::goal() const {
   if (!goal_ || !last_stamp_) return std::nullopt;
   TrackedGoal goal = goal_->goal;

@@ -24,7 +24,8 @@ GoalDetectorNodeParams load(const ros::NodeHandle& pnh) {
 GoalFinder makeFinder(const GoalDetectorNodeParams& params) {
   const std::string share_dir = ros::package::getPath("frugal_nav");
   const std::string config = configOf(params.detector, share_dir);
-  return {makeDetector(readParamFile(config), params.detector, share_dir), params.head, params.tracker};
+  return {makeDetector(readParamFile(config), params.detector, share_dir), params.head, params.tracker,
+          params.calibration};
 }
 
 std_msgs::Header headerOf(const CameraFrame& frame) {
@@ -127,10 +128,17 @@ GoalDetectorNode::GoalDetectorNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   detections_pub_ = intake_->advertise<Detection2DArray>("goal/detections", 5);
   observed_pub_ = intake_->advertise<geometry_msgs::PoseWithCovarianceStamped>("goal/observed", 5);
   debug_pub_ = intake_->advertise<sensor_msgs::Image>("goal/debug_image", 1);
+  surfaces_sub_ = nh.subscribe<sensor_msgs::LaserScan>(
+      "depth/scan", 5, [this](const sensor_msgs::LaserScanConstPtr& msg) {
+        const LaserScan scan = fromRos(*msg);
+        if (msg->header.frame_id == params_.intake.base.base_frame && !findFault(scan))
+          finder_.addSurfaces(scan);
+      });
   live_ = tuneLive<GoalDetectorNodeParams>(pnh, params_, [this](const GoalDetectorNodeParams& wanted) {
     params_.head = wanted.head;
     params_.tracker = wanted.tracker;
-    finder_.setParams(params_.head, params_.tracker);
+    params_.calibration = wanted.calibration;
+    finder_.setParams(params_.head, params_.tracker, params_.calibration);
   });
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,10 +11,12 @@
 #include <opencv2/core/mat.hpp>
 
 #include <frugal_nav/common/geometry.hpp>
+#include <frugal_nav/common/laser_scan.hpp>
 #include <frugal_nav/common/pinhole.hpp>
 #include <frugal_nav/common/time.hpp>
 #include <frugal_nav/perception/detector.hpp>
 #include <frugal_nav/perception/goal_tracker.hpp>
+#include <frugal_nav/perception/head_calibration.hpp>
 #include <frugal_nav/perception/head_range.hpp>
 
 namespace frugal_nav {
@@ -33,6 +37,7 @@ struct GoalFrame {
   std::vector<HeadSighting> sightings;  ///< one for each detection
   GoalTracker::State state = GoalTracker::State::kNone;
   std::optional<TrackedGoal> goal;
+  std::optional<std::size_t> goal_detection;  ///< which of them the goal was seen by; set while kSeen
 };
 
 /// The goal from images: detect, locate, track (paper 000, stage 1).
@@ -40,22 +45,35 @@ class GoalFinder {
  public:
   /// Throws ConfigError on parameters out of range.
   GoalFinder(std::unique_ptr<Detector> detector, const HeadRangeParams& range,
-             const GoalTrackerParams& tracker);
+             const GoalTrackerParams& tracker, const HeadCalibrationParams& calibration = {});
 
   /// Takes one image. One that cannot be used, or a camera without calibration, counts as nothing seen: the
   /// goal is lost after its time-out and found again when sound images return.
   GoalFrame look(const GoalView& view);
+  /// The nearest surfaces in the view of an image looked at before, in base_link: where the goal's feet stand
+  /// corrects the size of its head from the next image on.
+  void addSurfaces(const LaserScan& surfaces);
 
   const Detector& detector() const { return *detector_; }
   /// Other parameters from the next image on; the goal is forgotten. Throws ConfigError when they are bad.
-  void setParams(const HeadRangeParams& range, const GoalTrackerParams& tracker);
+  void setParams(const HeadRangeParams& range, const GoalTrackerParams& tracker,
+                 const HeadCalibrationParams& calibration = {});
   /// Forgets the goal.
-  void reset() { tracker_.reset(); }
+  void reset();
 
  private:
   std::unique_ptr<Detector> detector_;
+  HeadRangeParams calibratedRange() const;
+
   HeadRangeParams range_params_;
   GoalTracker tracker_;
+  HeadCalibration calibration_;
+  double head_factor_ = 1.0;  ///< of the goal's head over range_params_, as applied
+  struct Seen {
+    Stamp stamp{};
+    HeadSighting head;  ///< with the assumed size
+  };
+  std::deque<Seen> seen_;  ///< the goal in the last images
 };
 
 }  // namespace frugal_nav

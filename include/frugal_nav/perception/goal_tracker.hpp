@@ -89,6 +89,8 @@ class GoalTracker {
   State state() const { return state_; }
   /// The goal while it is kSeen or kUnseen.
   std::optional<TrackedGoal> goal() const;
+  /// What it was told so far may be off by this standard deviation: later sightings count more.
+  void doubt(double sigma_m);
   /// Forgets everything.
   void reset();
 

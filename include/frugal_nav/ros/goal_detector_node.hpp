@@ -33,6 +33,7 @@ class GoalDetectorNode {
   ros::Publisher detections_pub_;
   ros::Publisher observed_pub_;
   ros::Publisher debug_pub_;
+  ros::Subscriber surfaces_sub_;
   std::unique_ptr<LiveParameterServer> live_;
 };
 

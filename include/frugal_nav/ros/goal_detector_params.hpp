@@ -2,6 +2,7 @@
 
 #include <frugal_nav/perception/detector_choice.hpp>
 #include <frugal_nav/perception/goal_tracker.hpp>
+#include <frugal_nav/perception/head_calibration.hpp>
 #include <frugal_nav/perception/head_range.hpp>
 #include <frugal_nav/ros/intake_params.hpp>
 
@@ -13,6 +14,7 @@ struct GoalDetectorNodeParams {
   DetectorChoice detector;
   HeadRangeParams head;
   GoalTrackerParams tracker;
+  HeadCalibrationParams calibration;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -20,6 +22,7 @@ struct GoalDetectorNodeParams {
     detector.fields(visit);
     visit("head", head);
     visit("tracker", tracker);
+    visit("calibration", calibration);
   }
 };
 

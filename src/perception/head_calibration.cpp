@@ -1,0 +1,60 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <frugal_nav/common/geometry.hpp>
+#include <frugal_nav/perception/head_calibration.hpp>
+
+namespace frugal_nav {
+namespace {
+
+/// Where the nearest thing of a body's depth stands: the median of the nearest hits that agree, three at
+/// least.
+std::optional<double> nearestBody(std::vector<double> hits_m) {
+  constexpr std::size_t kAgreeing = 3;
+  constexpr double kBodyDepth_m = 0.3;
+  std::sort(hits_m.begin(), hits_m.end());
+  for (std::size_t first = 0; first + kAgreeing <= hits_m.size(); ++first) {
+    std::size_t last = first;
+    while (last + 1 < hits_m.size() && hits_m[last + 1] <= hits_m[first] + kBodyDepth_m) ++last;
+    if (last - first + 1 >= kAgreeing) return hits_m[(first + last) / 2];
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+HeadCalibration::HeadCalibration(const HeadCalibrationParams& params) : params_(params) {
+  validate(params, "head calibration");
+}
+
+void HeadCalibration::add(const HeadSighting& head, const LaserScan& surfaces) {
+  if (!params_.enabled || head.status != HeadSighting::Status::kGood || !(head.range_m > 0.0)) return;
+  const double half_rad = std::atan2(params_.half_width_m, head.range_m);
+  std::vector<double> hits_m;
+  for (std::size_t i = 0; i < surfaces.ranges_m.size(); ++i) {
+    if (std::abs(angleBetween(head.bearing_rad, surfaces.angleOf(i))) > half_rad) continue;
+    if (classify(surfaces, surfaces.ranges_m[i]) == Return::kHit)
+      hits_m.push_back(static_cast<double>(surfaces.ranges_m[i]));
+  }
+  const std::optional<double> nearest_m = nearestBody(std::move(hits_m));
+  if (!nearest_m || *nearest_m > params_.max_range_m) return;
+  const double ratio = (*nearest_m + params_.body_depth_m) / head.range_m;
+  if (ratio > params_.max_ratio || ratio < 1.0 / params_.max_ratio) return;
+  ratios_.push_back(ratio);
+  if (static_cast<int>(ratios_.size()) > params_.max_samples) ratios_.pop_front();
+}
+
+bool HeadCalibration::isKnown() const { return static_cast<int>(ratios_.size()) >= params_.min_samples; }
+
+double HeadCalibration::factor() const {
+  if (!isKnown()) return 1.0;
+  std::vector<double> sorted(ratios_.begin(), ratios_.end());
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return *middle;
+}
+
+}  // namespace frugal_nav
