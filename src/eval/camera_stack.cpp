@@ -29,28 +29,14 @@ std::unique_ptr<DepthNetwork> orNetwork(std::unique_ptr<DepthNetwork> given,
   return std::make_unique<OnnxDepthNetwork>(params.network, params.models_dir);
 }
 
-/// The box of the sighting that the goal was seen by: the nearest sound one.
-cv::Rect2d boxOf(const GoalFrame& frame, const Pose2& odom_from_base) {
-  cv::Rect2d box;
-  double nearest_m = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
-    if (frame.sightings[i].status != HeadSighting::Status::kGood) continue;
-    const double off_m = (odom_from_base * frame.sightings[i].p_base - frame.goal->p_odom).norm();
-    if (off_m >= nearest_m) continue;
-    nearest_m = off_m;
-    box = frame.detections[i].box;
-  }
-  return box;
-}
-
-std::optional<KnownGoal> knownGoal(const GoalFrame& frame, const Pose2& odom_from_base) {
+std::optional<KnownGoal> knownGoal(const GoalFrame& frame) {
   if (!frame.goal) return std::nullopt;
   KnownGoal goal;
   goal.p_odom = frame.goal->p_odom;
   goal.covariance_m2 = frame.goal->covariance_m2;
   goal.above_floor_m = frame.goal->above_floor_m;
   goal.seen = frame.state == GoalTracker::State::kSeen;
-  if (goal.seen) goal.box_px = boxOf(frame, odom_from_base);
+  if (frame.goal_detection) goal.box_px = frame.detections[*frame.goal_detection].box;
   return goal;
 }
 
@@ -80,11 +66,14 @@ CameraStackParams loadCameraStack(const std::string& share_dir) {
   params.models_dir = share_dir + "/models";
   params.detector = loadParamFile<YoloParams>(config + "models/heads.yaml");
   params.network = loadParamFile<DepthNetworkParams>(config + "models/depth_small.yaml");
+  params.calibration = loadPart<HeadCalibrationParams>({config + "goal_detector.yaml"}, "calibration/");
   params.odometry = loadPart<WheelOdometryParams>(
       {config + "wheel_odometry.yaml", config + "simulated/wheel_odometry.yaml"});
   params.range = loadPart<HeadRangeParams>({config + "goal_detector.yaml"}, "head/");
   params.tracker = loadPart<GoalTrackerParams>({config + "goal_detector.yaml"}, "tracker/");
   params.visual = loadPart<VisualOdometryParams>({config + "visual_odometry.yaml"});
+  params.depth = loadPart<DepthGapParams>({config + "depth_gap.yaml"});
+  params.planner = loadPart<CameraPlannerParams>({config + "camera_planner.yaml"});
   params.mission = loadPart<MissionParams>({config + "mission.yaml", config + "hybrid/mission.yaml"});
   params.base =
       loadPart<BaseControlParams>({config + "base_controller.yaml", config + "hybrid/base_controller.yaml"});
@@ -110,7 +99,7 @@ CameraStack::CameraStack(const CameraStackParams& params, const RobotModel& robo
       base_from_optical_(robot.baseFrom("camera_optical_frame")),
       latency_(latency),
       wheels_(params.odometry, {robot.drive.radius_m, robot.drive.separation_m}),
-      finder_(orDetector(std::move(detector), params), params.range, params.tracker),
+      finder_(orDetector(std::move(detector), params), params.range, params.tracker, params.calibration),
       visual_(params.visual, camera, base_from_optical_),
       depth_(orNetwork(std::move(network), params), params.depth),
       planner_(params.planner, {robot.halfWidth_m(), robot.circumradius_m()}),
@@ -169,9 +158,10 @@ CameraResult CameraStack::look(const Picture& picture) {
   view.base_from_optical = base_from_optical_;
   view.odom_from_base = result.odom_from_base;
   view.points = metricPoints(result.visual, toIsometry(result.odom_from_base) * base_from_optical_);
-  view.goal = knownGoal(result.goal, result.odom_from_base);
+  view.goal = knownGoal(result.goal);
   result.depth = depth_.look(view);
   nearest_ = result.depth.obstacle;
+  finder_.addSurfaces(result.depth.scan);
   times_.detector_ms = found_ms - begin_ms;
   times_.visual_ms = visual_ms - found_ms;
   times_.depth_ms = milliseconds() - visual_ms;

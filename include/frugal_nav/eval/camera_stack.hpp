@@ -32,6 +32,7 @@ struct CameraStackParams {
   YoloParams detector;
   HeadRangeParams range;
   GoalTrackerParams tracker;
+  HeadCalibrationParams calibration;
   DepthNetworkParams network;
   WheelOdometryParams odometry;
   VisualOdometryParams visual;
