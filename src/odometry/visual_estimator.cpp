@@ -17,6 +17,14 @@ constexpr double kStartCourseError_rad = 0.35;  // and their courses
 constexpr double kAdjustedCourseError_rad = 0.08;  // once all features have been adjusted
 constexpr double kJumpShare = 2.0;                 // visual over wheel motion of one image
 constexpr double kJump_m = 0.05;                   // that is not believed
+// Over a checkpoint's way: what slip, a wrong wheel radius or separation may make. Beyond it the images
+// erred.
+constexpr double kStray_m = 0.05;
+constexpr double kStrayShare = 0.1;
+constexpr double kStray_rad = 0.08;
+constexpr double kStrayTurnShare = 0.15;
+constexpr double kCheckpointWay_m = 0.5;
+constexpr double kCheckpointTurn_rad = 1.0;
 constexpr int kDisagreements = 5;     // scale samples before wheels and images are said to disagree
 constexpr double kStraySigmas = 3.0;  // of the scale
 
@@ -91,6 +99,7 @@ void VisualEstimator::lose(const std::optional<Eigen::Isometry3d>& wheels_from_c
 void VisualEstimator::dropMap() {
   map_.clear();
   anchor_.reset();
+  checkpoint_.reset();
   last_motion_ = Eigen::Isometry3d::Identity();
 }
 
@@ -261,6 +270,11 @@ VisualUpdate VisualEstimator::track(const RayMap& rays) {
     return update;
   }
   odom_from_camera_ = fit.world_from_camera;
+  if (straysFromWheels()) {
+    update.state = VisualState::kLost;
+    update.reason = VisualReason::kWheelsDisagree;
+    return update;
+  }
   update.covariance = fit.covariance;
   update.inliers = fit.inliers;
   if (needsKeyframe(fit.inliers)) {
@@ -311,6 +325,36 @@ bool VisualEstimator::isTooFarFromWheels(const Eigen::Isometry3d& odom_from_came
   // odom_from_camera_ is the wheels' prediction here.
   const double apart_m = (odom_from_camera.translation() - odom_from_camera_.translation()).norm();
   return apart_m > kJump_m + kJumpShare * motion->translation().norm();
+}
+
+/// Whether many small errors, each of which could be believed, have led astray. The pose then is the wheels'
+/// since the checkpoint.
+bool VisualEstimator::straysFromWheels() {
+  const auto step = wheelMotion(wheels_from_camera_);
+  if (!step || !is_metric_) {
+    checkpoint_.reset();
+    return false;
+  }
+  if (!checkpoint_) {
+    checkpoint_ = Checkpoint{odom_from_camera_, *wheels_from_camera_};
+    return false;
+  }
+  checkpoint_->way_m += step->translation().norm();
+  checkpoint_->turn_rad += turnOf(*step);
+  const Eigen::Isometry3d told = checkpoint_->wheels_from_camera.inverse() * *wheels_from_camera_;
+  const Eigen::Isometry3d seen = checkpoint_->odom_from_camera.inverse() * odom_from_camera_;
+  // Wheels that slip or spin turn more than the robot moves, never less: what the images see may fall short.
+  const double length2 = told.translation().squaredNorm();
+  const double share = length2 > 0.0 ? seen.translation().dot(told.translation()) / length2 : 0.0;
+  const Eigen::Vector3d beside = seen.translation() - std::clamp(share, 0.0, 1.0) * told.translation();
+  const bool strays = beside.norm() > kStray_m + kStrayShare * checkpoint_->way_m ||
+                      turnOf(seen) > turnOf(told) + kStray_rad + kStrayTurnShare * checkpoint_->turn_rad;
+  if (strays) {
+    odom_from_camera_ = checkpoint_->odom_from_camera * told;
+  } else if (checkpoint_->way_m > kCheckpointWay_m || checkpoint_->turn_rad > kCheckpointTurn_rad) {
+    checkpoint_ = Checkpoint{odom_from_camera_, *wheels_from_camera_};
+  }
+  return strays;
 }
 
 bool VisualEstimator::needsKeyframe(int inliers) const {

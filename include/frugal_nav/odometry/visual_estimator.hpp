@@ -60,6 +60,13 @@ class VisualEstimator {
     RayMap rays;
     std::size_t most_shared = 0;  ///< features that an image had in common with it
   };
+  /// A pose of a moment ago, from which images and wheels must have gone alike.
+  struct Checkpoint {
+    Eigen::Isometry3d odom_from_camera;
+    Eigen::Isometry3d wheels_from_camera;
+    double way_m = 0.0;  ///< since then, as the wheels tell it
+    double turn_rad = 0.0;
+  };
   /// Rays of the same features in the anchor and now.
   struct Shared {
     std::vector<std::int64_t> ids;
@@ -78,6 +85,7 @@ class VisualEstimator {
   VisualUpdate track(const RayMap& rays);
   VisualReason findPoseInMap(const RayMap& rays, VisualUpdate& update, PoseFit& fit);
   bool isTooFarFromWheels(const Eigen::Isometry3d& odom_from_camera) const;
+  bool straysFromWheels();
   bool needsKeyframe(int inliers) const;
   void addKeyframe(const RayMap& rays);
   void sampleScale();
@@ -98,6 +106,7 @@ class VisualEstimator {
   std::optional<Eigen::Isometry3d> wheels_from_camera_;            // now
   std::optional<Eigen::Isometry3d> last_wheels_;
   std::optional<Anchor> anchor_;
+  std::optional<Checkpoint> checkpoint_;
   int keyframe_inliers_ = 0;
 };
 
