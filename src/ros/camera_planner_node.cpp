@@ -26,6 +26,7 @@ CameraPlannerNode::CameraPlannerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
     : params_(load(pnh)),
       planner_(params_.planner, extentOf(loadRobotDescription(nh))),
       diagnostics_(nh, pnh),
+      reason_(nh),
       time_([this](Stamp now) { forget(now); }),
       goal_(nh, params_.intake.odom_frame, Mode::kCamera, diagnostics_, time_) {
   path_pub_ = nh.advertise<nav_msgs::Path>("path", 5);
@@ -88,6 +89,7 @@ void CameraPlannerNode::report(const CameraPlan& plan) {
   using diagnostic_msgs::DiagnosticStatus;
   diagnostics_.set("moving obstacles", static_cast<double>(plan.moving.size()));
   if (!plan.replanned.empty()) diagnostics_.set("last search", plan.replanned);
+  reason_.tell(plan.path.empty() ? plan.reason : "");
   switch (plan.status) {
     case CameraPlan::Status::kIdle:
       diagnostics_.status(DiagnosticStatus::OK, "no goal");

@@ -53,6 +53,9 @@ MissionNode::MissionNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   // Small messages in a control loop: Nagle's algorithm would hold them back for tens of milliseconds.
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   odometry_sub_ = nh.subscribe("odom", 10, &MissionNode::onOdometry, this, hints);
+  path_reason_sub_ = nh.subscribe<std_msgs::String>(
+      "path/reason", 2, [this](const std_msgs::StringConstPtr& msg) { path_reason_ = msg->data; },
+      ros::VoidConstPtr(), hints);
   path_sub_ = nh.subscribe("path", 2, &MissionNode::onPath, this, hints);
   command_sub_ = nh.subscribe("avoidance/command", 2, &MissionNode::onLocalCommand, this, hints);
   observed_sub_ = nh.subscribe("goal/observed", 1, &MissionNode::onObserved, this, hints);
@@ -202,7 +205,7 @@ void MissionNode::onPath(const nav_msgs::Path& msg) {
     return;
   }
   diagnostics_.input("path").received(toStamp(msg.header.stamp), toStamp(checkClock()));
-  mission_.setPath(*path, toStamp(msg.header.stamp));
+  mission_.setPath(*path, toStamp(msg.header.stamp), path->empty() ? path_reason_ : "");
   reportEnds();
 }
 

@@ -21,7 +21,8 @@ PlannerNode::PlannerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
     : params_(load(pnh)),
       body_(extentOf(loadRobotDescription(nh, params_.intake.base_frame))),
       planner_(params_.planner, body_),
-      diagnostics_(nh, pnh) {
+      diagnostics_(nh, pnh),
+      reason_(nh) {
   path_pub_ = nh.advertise<nav_msgs::Path>("path", 5);
   grid_pub_ = nh.advertise<nav_msgs::OccupancyGrid>("grid", 1);
   markers_pub_ = nh.advertise<visualization_msgs::MarkerArray>("planner/markers", 1);
@@ -63,6 +64,7 @@ void PlannerNode::process(const PosedScan& posed) {
 
 void PlannerNode::report(const LidarPlan& plan) {
   using diagnostic_msgs::DiagnosticStatus;
+  reason_.tell(plan.path.empty() ? plan.reason : "");
   switch (plan.status) {
     case LidarPlan::Status::kIdle:
       diagnostics_.status(DiagnosticStatus::OK, "no goal");

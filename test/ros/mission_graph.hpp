@@ -14,6 +14,7 @@
 #include <nav_msgs/Path.h>
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
+#include <std_msgs/String.h>
 #include <support/ros_test.hpp>
 
 #include <frugal_nav/MissionState.h>
@@ -31,6 +32,7 @@ class MissionGraph {
     clock_pub_ = nh_.advertise<rosgraph_msgs::Clock>("/clock", 10);
     odometry_pub_ = nh_.advertise<nav_msgs::Odometry>("odom", 10);
     path_pub_ = nh_.advertise<nav_msgs::Path>("path", 10);
+    path_reason_pub_ = nh_.advertise<std_msgs::String>("path/reason", 10);
     local_pub_ = nh_.advertise<LocalCommand>("avoidance/command", 10);
     state_sub_ = nh_.subscribe("mission/state", 100, &MissionGraph::onState, this);
     goal_sub_ = nh_.subscribe("mission/goal", 10, &MissionGraph::onGoal, this);
@@ -78,6 +80,7 @@ class MissionGraph {
 
   Pose2 odom_from_base;
   bool publish_odometry = true;
+  std::string no_path_reason;        ///< why the planner finds no path; empty: it finds one
   double clock_lag_s = 0.0;          ///< of the clock behind the odometry
   std::vector<MissionState> states;  ///< every message on mission/state
   std::optional<Pose2> goal;         ///< the last one on mission/goal
@@ -89,7 +92,8 @@ class MissionGraph {
     twist_ = {};
     if (states.empty()) return;
     const MissionState& state = states.back();
-    if ((state.mode == MissionState::MODE_LIDAR || state.mode == MissionState::MODE_CAMERA) && goal) {
+    const bool drives = state.mode == MissionState::MODE_LIDAR || state.mode == MissionState::MODE_CAMERA;
+    if (drives && goal && no_path_reason.empty()) {
       odom_from_base.yaw_rad += bearingTo(odom_from_base, goal->position());
       twist_ = {std::min(1.0, 4.0 * distance(odom_from_base, *goal)), 0.0};
     } else if (state.mode == MissionState::MODE_ALIGNING || state.mode == MissionState::MODE_RECOVERING) {
@@ -105,7 +109,13 @@ class MissionGraph {
     command.status = LocalCommand::STATUS_DRIVING;
     command.holds = LocalCommand::HOLDS_VELOCITY;
     local_pub_.publish(command);
-    path_pub_.publish(toRos(goal ? Path2{odom_from_base, *goal} : Path2{}, toStamp(time_), "odom"));
+    if (!no_path_reason.empty()) {
+      std_msgs::String reason;
+      reason.data = no_path_reason;
+      path_reason_pub_.publish(reason);
+    }
+    const bool found = goal && no_path_reason.empty();
+    path_pub_.publish(toRos(found ? Path2{odom_from_base, *goal} : Path2{}, toStamp(time_), "odom"));
   }
 
   void onState(const MissionState& msg) { states.push_back(msg); }
@@ -120,6 +130,7 @@ class MissionGraph {
   ros::Publisher clock_pub_;
   ros::Publisher odometry_pub_;
   ros::Publisher path_pub_;
+  ros::Publisher path_reason_pub_;
   ros::Publisher local_pub_;
   ros::Subscriber state_sub_;
   ros::Subscriber goal_sub_;

@@ -167,6 +167,14 @@ TEST_F(MissionNodeTest, TakesSimpleGoalsInAFrameOfTf) {
   EXPECT_NEAR(graph_.goal->yaw_rad, M_PI / 2.0, 1e-9);
 }
 
+TEST_F(MissionNodeTest, GivesUpWithThePlannersReason) {
+  ASSERT_NO_FATAL_FAILURE(startDriving({5.0, 0.0, 0.0}));
+  graph_.no_path_reason = "the goal lies in an obstacle";
+  ASSERT_TRUE(graph_.stepUntil([this] { return client_->getState().isDone(); }));
+  EXPECT_EQ(client_->getState().state_, SimpleClientGoalState::ABORTED);
+  EXPECT_THAT(client_->getState().getText(), HasSubstr("the goal lies in an obstacle"));
+}
+
 TEST_F(MissionNodeTest, GivesUpWhenOdometryStops) {
   ASSERT_NO_FATAL_FAILURE(startDriving({5.0, 0.0, 0.0}));
   graph_.publish_odometry = false;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/OccupancyGrid.h>
+#include <std_msgs/String.h>
 #include <visualization_msgs/MarkerArray.h>
 
 namespace frugal_nav {
@@ -124,7 +125,8 @@ TEST_F(PlannerNodeTest, SurvivesBadScans) {
   expectNone(scan);
 }
 
-TEST_F(PlannerNodeTest, GoalInAnObstacleGivesNoPath) {
+TEST_F(PlannerNodeTest, GoalInAnObstacleGivesNoPathAndTheReason) {
+  test::Recorder<std_msgs::String> reasons(graph_.nh, "path/reason");
   graph_.world.box(2.0, -0.3, 2.3, 0.3);
   graph_.pose = {4.0, 0.0, 0.0};
   graph_.beat();
@@ -135,6 +137,8 @@ TEST_F(PlannerNodeTest, GoalInAnObstacleGivesNoPath) {
     graph_.beat();
     EXPECT_TRUE(pathFor(graph_.scan()).poses.empty());
   }
+  ASSERT_TRUE(reasons.waitForCount(1));
+  EXPECT_EQ(reasons.messages.back().data, "the goal lies in an obstacle");
   graph_.driveTo({3.5, 0.0, 0.0});  // behind it
   EXPECT_TRUE(beatUntilPath(true));
 }

@@ -9,6 +9,7 @@
 #include <frugal_nav/planning/camera_planner.hpp>
 #include <frugal_nav/ros/camera_intake.hpp>
 #include <frugal_nav/ros/diagnostics.hpp>
+#include <frugal_nav/ros/path_reason.hpp>
 #include <frugal_nav/ros/goal_intake.hpp>
 #include <frugal_nav/ros/live_parameters.hpp>
 #include <frugal_nav/ros/planning_params.hpp>
@@ -35,6 +36,7 @@ class CameraPlannerNode {
   CameraPlannerNodeParams params_;
   CameraPlanner planner_;
   NodeDiagnostics diagnostics_;
+  PathReason reason_;
   TimeJumpWatch time_;
   GoalIntake goal_;
   std::optional<Eigen::Vector2d> p_odom_person_;

@@ -13,6 +13,7 @@
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
 #include <ros/ros.h>
+#include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
@@ -87,6 +88,7 @@ class MissionNode {
   tf2_ros::TransformListener tf_listener_;
   actionlib::ActionServer<move_base_msgs::MoveBaseAction> server_;
   std::optional<GoalHandle> goal_handle_;  ///< of the goal on its way
+  std::string path_reason_;  ///< of the planner, for an empty path
   ros::Time last_feedback_;
   ros::Time last_now_;
   std::uint32_t goal_changes_ = 0;  ///< of the mission when its goal was last published
@@ -102,6 +104,7 @@ class MissionNode {
   ros::Publisher action_goal_pub_;
   ros::Subscriber odometry_sub_;
   ros::Subscriber path_sub_;
+  ros::Subscriber path_reason_sub_;
   ros::Subscriber command_sub_;
   ros::Subscriber simple_goal_sub_;
   ros::Subscriber observed_sub_;

@@ -6,6 +6,7 @@
 
 #include <frugal_nav/planning/lidar_planner.hpp>
 #include <frugal_nav/ros/diagnostics.hpp>
+#include <frugal_nav/ros/path_reason.hpp>
 #include <frugal_nav/ros/live_parameters.hpp>
 #include <frugal_nav/ros/planning_params.hpp>
 #include <frugal_nav/ros/scan_intake.hpp>
@@ -27,6 +28,7 @@ class PlannerNode {
   BodyExtent body_;
   LidarPlanner planner_;
   NodeDiagnostics diagnostics_;
+  PathReason reason_;
   ros::Publisher path_pub_;
   ros::Publisher grid_pub_;
   ros::Publisher markers_pub_;
