@@ -9,9 +9,9 @@
 #include <frugal_nav/planning/camera_planner.hpp>
 #include <frugal_nav/ros/camera_intake.hpp>
 #include <frugal_nav/ros/diagnostics.hpp>
-#include <frugal_nav/ros/path_reason.hpp>
 #include <frugal_nav/ros/goal_intake.hpp>
 #include <frugal_nav/ros/live_parameters.hpp>
+#include <frugal_nav/ros/path_reason.hpp>
 #include <frugal_nav/ros/planning_params.hpp>
 #include <frugal_nav/ros/time_jump_watch.hpp>
 

@@ -88,7 +88,7 @@ class MissionNode {
   tf2_ros::TransformListener tf_listener_;
   actionlib::ActionServer<move_base_msgs::MoveBaseAction> server_;
   std::optional<GoalHandle> goal_handle_;  ///< of the goal on its way
-  std::string path_reason_;  ///< of the planner, for an empty path
+  std::string path_reason_;                ///< of the planner, for an empty path
   ros::Time last_feedback_;
   ros::Time last_now_;
   std::uint32_t goal_changes_ = 0;  ///< of the mission when its goal was last published

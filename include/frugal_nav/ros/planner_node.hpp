@@ -6,8 +6,8 @@
 
 #include <frugal_nav/planning/lidar_planner.hpp>
 #include <frugal_nav/ros/diagnostics.hpp>
-#include <frugal_nav/ros/path_reason.hpp>
 #include <frugal_nav/ros/live_parameters.hpp>
+#include <frugal_nav/ros/path_reason.hpp>
 #include <frugal_nav/ros/planning_params.hpp>
 #include <frugal_nav/ros/scan_intake.hpp>
 
