@@ -57,7 +57,9 @@ void ObstacleMemory::insert(const LaserScan& scan, const NearestObstacle& obstac
     markNearest(obstacle);
   const std::vector<double> clear_m = clearLengths(scan, longest_m);
   for (std::size_t i = 0; i < clear_m.size(); ++i) {
-    if (clear_m[i] > 0.0) grid_.clear(robot, endOf(i, clear_m[i]), true);
+    const double near_m = std::min(clear_m[i], params_.clear_from_m);
+    if (near_m > 0.0) grid_.clearUnknown(robot, endOf(i, near_m));
+    if (clear_m[i] > near_m) grid_.clear(endOf(i, near_m), endOf(i, clear_m[i]), true);
   }
 }
 

@@ -126,6 +126,24 @@ void RollingGrid::mark(const Eigen::Vector2d& p_odom) {
 
 // Amanatides and Woo (1987): every cell the segment passes, in order.
 void RollingGrid::clear(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom, bool include_end) {
+  visitRay(from_odom, to_odom, include_end, [this](Entry& passed) {
+    const int before = isForgotten(passed) ? 0 : static_cast<int>(passed.certainty);
+    passed.certainty = static_cast<std::int8_t>(std::max(before - params_.miss_loss, 0));
+    touch(passed);
+  });
+}
+
+void RollingGrid::clearUnknown(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom) {
+  visitRay(from_odom, to_odom, false, [this](Entry& passed) {
+    if (stateOf(passed) == State::kOccupied) return;
+    passed.certainty = 0;
+    touch(passed);
+  });
+}
+
+template <class Visit>
+void RollingGrid::visitRay(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom, bool include_end,
+                           const Visit& visit) {
   Cell cell = cellOf(from_odom);
   const Cell last = cellOf(to_odom);
   const Eigen::Vector2d step = to_odom - from_odom;
@@ -147,11 +165,7 @@ void RollingGrid::clear(const Eigen::Vector2d& from_odom, const Eigen::Vector2d&
   const int cells = std::abs(last.x - cell.x) + std::abs(last.y - cell.y) + (include_end ? 1 : 0);
   for (int i = 0; i < cells && contains(cell); ++i) {
     Entry& passed = entry(cell);
-    if (!passed.seen || passed.scan != scan_number_) {
-      const int before = isForgotten(passed) ? 0 : static_cast<int>(passed.certainty);
-      passed.certainty = static_cast<std::int8_t>(std::max(before - params_.miss_loss, 0));
-      touch(passed);
-    }
+    if (!passed.seen || passed.scan != scan_number_) visit(passed);
     if (next_x < next_y) {
       next_x += delta_x;
       cell.x += step_x;

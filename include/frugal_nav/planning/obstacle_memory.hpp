@@ -14,11 +14,12 @@
 namespace frugal_nav {
 
 struct ObstacleMemoryParams {
-  RollingGridParams grid{10.0, 0.05, 4, 1, 8, 30.0, 3.5};
+  RollingGridParams grid{10.0, 0.05, 2, 1, 8, 30.0, 3.5};
   ObstacleTrackerParams tracker;
   double sigma_m = 0.03;
   double sigma_share = 0.03;
   double largest_sigma_m = 0.25;
+  double clear_from_m = 1.2;
   double person_radius_m = 0.40;
   double person_range_share = 0.10;
 
@@ -31,6 +32,12 @@ struct ObstacleMemoryParams {
     visit("sigma_share", sigma_share, Field{"", "the same, as a share of the range", 0.0, 1.0});
     visit("largest_sigma_m", largest_sigma_m,
           Field{"m", "the nearest obstacle is not blown up by more than this", 0.0, 2.0});
+    visit("clear_from_m", clear_from_m,
+          Field{"m",
+                "nearer than this no ray takes an obstacle away: the floor is below the image there, and "
+                "what has "
+                "left the view below is remembered",
+                0.0, 5.0});
     visit("person_radius_m", person_radius_m,
           Field{"m", "hits this near to the person who is the goal are the person's", 0.0, 2.0});
     visit("person_range_share", person_range_share,

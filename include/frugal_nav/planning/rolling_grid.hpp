@@ -88,6 +88,8 @@ class RollingGrid {
   void mark(const Eigen::Vector2d& p_odom);
   /// Free space along a ray, with or without the cell it ends in.
   void clear(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom, bool include_end);
+  /// The same without the cell it ends in, but obstacles on it stay.
+  void clearUnknown(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom);
   /// Obstacles within a radius are gone, as if seen free now.
   void erase(const Eigen::Vector2d& p_odom, double radius_m);
 
@@ -117,6 +119,10 @@ class RollingGrid {
     std::uint32_t last_seen_ms = 0;  ///< since epoch_
   };
 
+  /// Calls `visit` for each cell of a ray that this sight has not touched yet.
+  template <class Visit>
+  void visitRay(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom, bool include_end,
+                const Visit& visit);
   int ringIndex(Cell cell) const;
   Entry& entry(Cell cell) { return entries_[static_cast<std::size_t>(ringIndex(cell))]; }
   const Entry& entry(Cell cell) const { return entries_[static_cast<std::size_t>(ringIndex(cell))]; }

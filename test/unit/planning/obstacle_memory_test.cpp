@@ -45,6 +45,25 @@ State stateAt(const ObstacleMemory& memory, double x, double y) {
   return memory.grid().state(memory.grid().cellOf({x, y}));
 }
 
+TEST(ObstacleMemory, WhatIsTooNearToBeSeenIsNotTakenAwayByRays) {
+  ObstacleMemory memory(ObstacleMemoryParams{});
+  for (int i = 0; i < 3; ++i)
+    memory.insert(withObject(evenScan(1.0 + 0.1 * i, kNothing), {2.02, 0.0}, 0.2), nothingNear(), {},
+                  std::nullopt);
+  ASSERT_EQ(stateAt(memory, 2.01, 0.01), State::kOccupied);
+  // From 0.8 m its foot is below the image, and the depth says whatever it likes.
+  const Pose2 near{1.2, 0.0, 0.0};
+  for (int i = 0; i < 30; ++i)
+    memory.insert(evenScan(2.0 + 0.1 * i, kNothing), nothingNear(), near, std::nullopt);
+  EXPECT_EQ(stateAt(memory, 2.01, 0.01), State::kOccupied);
+  EXPECT_EQ(stateAt(memory, 1.6, 0.01), State::kFree);
+  // From 1.7 m it could be seen.
+  const Pose2 far{0.3, 0.0, 0.0};
+  for (int i = 0; i < 30; ++i)
+    memory.insert(evenScan(6.0 + 0.1 * i, kNothing), nothingNear(), far, std::nullopt);
+  EXPECT_EQ(stateAt(memory, 2.01, 0.01), State::kFree);
+}
+
 TEST(ObstacleMemory, RemembersWhatLeavesTheViewAndForgetsIt) {
   ObstacleMemory memory(ObstacleMemoryParams{});
   memory.insert(withObject(evenScan(1.0, kNothing), {2.02, 0.0}, 0.2), nothingNear(), {}, std::nullopt);
@@ -64,6 +83,15 @@ TEST(ObstacleMemory, ClearsWhatIsSeenFree) {
   for (int i = 1; i <= 4; ++i)
     memory.insert(evenScan(1.0 + 0.2 * i, kNothing), nothingNear(), {}, std::nullopt);
   EXPECT_EQ(stateAt(memory, 2.01, 0.01), State::kFree);
+}
+
+TEST(ObstacleMemory, TakesNothingAwayWhereTheFloorIsBelowTheView) {
+  ObstacleMemory memory(ObstacleMemoryParams{});
+  memory.insert(withObject(evenScan(1.0, kNothing), {1.02, 0.0}, 0.1), nothingNear(), {}, std::nullopt);
+  for (int i = 1; i <= 20; ++i)
+    memory.insert(evenScan(1.0 + 0.2 * i, kNothing), nothingNear(), {}, std::nullopt);
+  EXPECT_EQ(stateAt(memory, 1.03, 0.01), State::kOccupied);  // it is low and has left the image below
+  EXPECT_EQ(stateAt(memory, 0.6, 0.01), State::kFree);       // but what was never seen counts as free
 }
 
 TEST(ObstacleMemory, NeitherMarksNorClearsWhereTheScanKnowsNothing) {
