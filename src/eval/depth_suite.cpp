@@ -2,7 +2,9 @@
 
 #include "depth_drive.hpp"
 #include "depth_scene.hpp"
+#include "node_params.hpp"
 #include "random_paint.hpp"
+#include "rgbd_depth.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +19,7 @@
 #include <frugal_nav/eval/statistics.hpp>
 #include <frugal_nav/eval/view_truth.hpp>
 #include <frugal_nav/eval/visual_drive.hpp>
-#include <frugal_nav/robot/param_file.hpp>
+#include <frugal_nav/perception/depth_choice.hpp>
 #include <frugal_nav/robot/robot_model.hpp>
 
 namespace frugal_nav::eval {
@@ -31,11 +33,15 @@ constexpr double kUnscaledAt_m = 1.5;  // where the one scale of the unscaled ne
 struct DepthOptions {
   std::string model = "depth_small";
   std::string model_file;
+  std::string rgbd;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
     visit("model", model, Field{"", "the depth network: one of config/models/NAME.yaml"});
     visit("model_file", model_file, Field{"", "where the network lies; empty: where its yaml says"});
+    visit("rgbd", rgbd,
+          Field{"",
+                "folder of a real recording (images, depth in mm, K.txt, poses.txt) to measure on instead"});
   }
 };
 
@@ -57,6 +63,17 @@ cv::Mat cellsOf(const cv::Mat& models, int model, const cv::Size& grid) {
   double most = 0.0;
   cv::minMaxLoc(share, nullptr, &most);
   return share >= std::min(0.99, most) - 1e-6;
+}
+
+/// Leaves the cells that show what can touch the robot.
+void keepLow(const cv::Mat& true_m, const ViewRays& rays, cv::Mat& cells) {
+  const auto height_m = static_cast<float>(DepthScanParams{}.max_height_m);
+  for (int row = 0; row < cells.rows; ++row) {
+    for (int column = 0; column < cells.cols; ++column) {
+      if (rays.heightAt(row, column, true_m.at<float>(row, column)) > height_m)
+        cells.at<uchar>(row, column) = 0;
+    }
+  }
 }
 
 /// Median over the cells of a mask; NaN when the map is empty.
@@ -96,18 +113,34 @@ class DepthSuite : public SuiteWithOptions<DepthOptions> {
            "odometry, "
            "fused";
   }
-  int defaultTrials() const override { return kDistances * kImages; }
+  int defaultTrials() const override { return options_.rgbd.empty() ? kDistances * kImages : 1; }
 
   void prepare(const RunContext& context) override {
     robot_ = loadRobot(context.share_dir + "/urdf/frugal_bot.urdf");
+    wheels_ = loadPart<WheelOdometryParams>({context.share_dir + "/config/wheel_odometry.yaml",
+                                             context.share_dir + "/config/simulated/wheel_odometry.yaml"});
     textures_ = readTextures(context.share_dir + "/worlds/textures");
-    network_ =
-        loadParamFile<DepthNetworkParams>(context.share_dir + "/config/models/" + options_.model + ".yaml");
-    if (!options_.model_file.empty()) network_.model = options_.model_file;
-    models_dir_ = context.share_dir + "/models";
+    share_dir_ = context.share_dir;
+    choice_.model = options_.model;
+    choice_.model_file = options_.model_file;
+    makeDepthNetwork(choice_, share_dir_);  // a wrong one shows before the trials
+    if (!options_.rgbd.empty()) recording_ = readRgbdRecording(options_.rgbd);
   }
 
   Rows runTrial(const Trial& trial) const override {
+    if (options_.rgbd.empty()) return {measureScene(trial)};
+    // A recording is one trial: it has no seeds.
+    return trial.index == 0
+               ? measureRgbd(recording_, *makeDepthNetwork(choice_, share_dir_), DepthGapParams{})
+               : Rows{};
+  }
+
+  Json summarise(const Rows& rows) const override {
+    return options_.rgbd.empty() ? summariseScenes(rows) : summariseRecording(rows);
+  }
+
+ private:
+  Json measureScene(const Trial& trial) const {
     const double distance_m = kDistances_m[static_cast<std::size_t>(trial.index % kDistances)];
     const Eigen::Isometry3d base_from_optical = robot_.baseFrom("camera_optical_frame");
     const DepthScene place =
@@ -116,9 +149,9 @@ class DepthSuite : public SuiteWithOptions<DepthOptions> {
     params.lighting.setting = place.light;
     params.camera.threads = 1;
     const DriveRecording recording =
-        recordDrive(place.scene, robot_, params, trial.seed, place.start, place.legs, {0.25, 0.5});
+        recordDrive(place.scene, robot_, params, trial.seed, place.start, place.legs, {0.25, 0.5}, wheels_);
 
-    SharedDepthNetwork network(std::make_unique<OnnxDepthNetwork>(network_, models_dir_));
+    SharedDepthNetwork network(makeDepthNetwork(choice_, share_dir_));
     DepthGapParams vo_params;
     vo_params.method = "vo";
     DepthGap by_vo(network.answer(), vo_params);
@@ -139,10 +172,28 @@ class DepthSuite : public SuiteWithOptions<DepthOptions> {
       vo_frame = by_vo.look(view);
       fused_frame = fused.look(view);
     }
-    return {measure(trial, place, distance_m, recording, vo_frame, fused_frame, visual)};
+    return measure(trial, place, distance_m, recording, vo_frame, fused_frame, visual);
   }
 
-  Json summarise(const Rows& rows) const override {
+  /// Over the frames for which visual odometry gave a scale.
+  static Json summariseRecording(const Rows& rows) {
+    std::map<std::string, std::vector<double>> errors;
+    for (const Json& row : rows) {
+      if (!row["rel_fused"].is_number()) continue;
+      for (const char* key : {"rel_network", "rel_median", "rel_fused"})
+        errors[key].push_back(row[key].get<double>());
+    }
+    Json summary;
+    for (const char* key : {"rel_network", "rel_median", "rel_fused"})
+      summary[key] = orNull(mean(errors[key]));
+    const std::size_t scaled = errors["rel_fused"].size();
+    summary["frames"] = rows.size();
+    summary["share_with_scale"] =
+        rows.empty() ? Json() : Json(static_cast<double>(scaled) / static_cast<double>(rows.size()));
+    return summary;
+  }
+
+  static Json summariseScenes(const Rows& rows) {
     std::vector<double> scales;  // of the network alone, where the one for all is fitted
     for (const Json& row : rows) {
       if (row["distance_m"] == kUnscaledAt_m && row["inverse"].is_number())
@@ -172,15 +223,14 @@ class DepthSuite : public SuiteWithOptions<DepthOptions> {
     return summary;
   }
 
- private:
   static std::optional<cv::Rect> regionOf(const DepthFrame& frame) {
     const NearestObstacle& o = frame.obstacle;
     if (!o.found) return std::nullopt;
     return cv::Rect(o.left_px, o.top_px, o.width_px, o.height_px);
   }
 
-  /// Medians over the grid's cells that show the object: of the truth, as seen by the tracer from where the
-  /// robot truly is, and of each estimate.
+  /// Medians over the grid's cells that show the object up to the robot's height: of the truth, as seen by
+  /// the tracer from where the robot truly is, and of each estimate.
   Json measure(const Trial& trial, const DepthScene& place, double distance_m,
                const DriveRecording& recording, const DepthFrame& vo, const DepthFrame& fused,
                const VisualOdometryOutput& visual) const {
@@ -193,9 +243,10 @@ class DepthSuite : public SuiteWithOptions<DepthOptions> {
         toIsometry(recording.images.back().world_from_base) * recording.base_from_camera;
     const sim::RayTracer tracer(place.scene);
     const ViewTruth truth = traceTruth(tracer, view);
-    const cv::Mat cells = cellsOf(truth.model, place.object_model, fused.inverse.size());
+    cv::Mat cells = cellsOf(truth.model, place.object_model, fused.inverse.size());
     cv::Mat true_m;
     cv::resize(truth.depth_m, true_m, fused.inverse.size(), 0.0, 0.0, cv::INTER_NEAREST);
+    keepLow(true_m, ViewRays(camera, recording.base_from_camera, cells.size()), cells);
     Json row;
     row["trial"] = trial.index;
     row["distance_m"] = distance_m;
@@ -214,9 +265,11 @@ class DepthSuite : public SuiteWithOptions<DepthOptions> {
   }
 
   RobotModel robot_;
+  WheelOdometryParams wheels_;
   std::vector<sim::Texture> textures_;
-  DepthNetworkParams network_;
-  std::string models_dir_;
+  DepthChoice choice_;
+  std::string share_dir_;
+  RgbdRecording recording_;
 };
 
 }  // namespace
