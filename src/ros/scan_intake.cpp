@@ -9,10 +9,6 @@ namespace {
 constexpr double kCheckPeriod_s = 0.05;
 constexpr std::size_t kMostPending = 10;  // a second of scans: then the oldest is given up
 
-bool isUnderway(MissionPhase phase) {
-  return phase == MissionPhase::kDriving || phase == MissionPhase::kRecovering;
-}
-
 }  // namespace
 
 ScanIntake::ScanIntake(ros::NodeHandle nh, const IntakeParams& params, const ScanRules& rules,
@@ -23,11 +19,10 @@ ScanIntake::ScanIntake(ros::NodeHandle nh, const IntakeParams& params, const Sca
       callbacks_(std::move(callbacks)),
       time_([this](Stamp now) { forget(now); }),
       sensors_(params.base_frame),
+      goal_(nh, params.odom_frame, Mode::kLidar, diagnostics, time_),
       odometry_(nh, params, diagnostics, time_, [this] { process(); }) {
-  for (const char* topic : {"scan", "mission/goal", "mission/state"}) diagnostics_.input(topic);
+  diagnostics_.input("scan");
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  goal_sub_ = nh.subscribe("mission/goal", 1, &ScanIntake::onGoal, this, hints);
-  state_sub_ = nh.subscribe("mission/state", 10, &ScanIntake::onState, this, hints);
   scan_sub_ = nh.subscribe("scan", 5, &ScanIntake::onScan, this, hints);
   timer_ = nh.createTimer(ros::Duration(kCheckPeriod_s), [this](const ros::TimerEvent&) { onTimer(); });
 }
@@ -57,41 +52,6 @@ void ScanIntake::onScan(const sensor_msgs::LaserScan& msg) {
   process();
 }
 
-void ScanIntake::onGoal(const geometry_msgs::PoseStamped& msg) {
-  const std::optional<Pose2> goal = planar(msg.pose);
-  if (!goal || msg.header.frame_id != params_.odom_frame) {
-    diagnostics_.input("mission/goal")
-        .refused(goal ? "not in the frame " + params_.odom_frame : "not finite, or no sound quaternion");
-    return;
-  }
-  diagnostics_.input("mission/goal").received(toStamp(msg.header.stamp), toStamp(ros::Time::now()));
-  time_.checkClock();
-  goal_ = *goal;
-  goal_stamp_ = toStamp(msg.header.stamp);
-}
-
-void ScanIntake::onState(const MissionState& msg) {
-  const std::optional<MissionStatus> status = fromRos(msg);
-  if (!status) {
-    diagnostics_.input("mission/state").refused("unknown mode or state");
-    return;
-  }
-  diagnostics_.input("mission/state").received(status->stamp, toStamp(ros::Time::now()));
-  time_.checkClock();
-  if (status->goal_number != mission_.goal_number) number_before_ = mission_.stamp;
-  mission_ = *status;
-  // Goal and state come on different connections: an end that is older than the goal is another's.
-  if (!isUnderway(mission_.phase) && goal_stamp_ < mission_.stamp) goal_.reset();
-}
-
-bool ScanIntake::isActive() const {
-  // While the mission aligns or recovers by itself, it wants to know whether the way is free again.
-  const bool by_lidar =
-      mission_.mode == Mode::kLidar || mission_.mode == Mode::kAligning || mission_.mode == Mode::kRecovering;
-  // Goal and state come on different connections: a goal older than the number is the one before.
-  return isUnderway(mission_.phase) && by_lidar && goal_stamp_ >= number_before_;
-}
-
 void ScanIntake::onTimer() {
   time_.checkClock();
   process();
@@ -101,9 +61,7 @@ void ScanIntake::forget(Stamp now) {
   pending_.clear();
   odometry_.clear();
   last_scan_.reset();
-  number_before_ = Stamp{};
-  mission_ = MissionStatus{};            // stands until the mission speaks again
-  if (goal_stamp_ > now) goal_.reset();  // not one of the new time that has come already
+  goal_.forget(now);
   callbacks_.time_jumped();
 }
 

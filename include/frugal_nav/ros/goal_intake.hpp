@@ -1,6 +1,6 @@
 #pragma once
 
-#include <functional>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -27,6 +27,8 @@ class GoalIntake {
   /// The goal in odom while the mission drives there in its mode, or is at something of its own on the way:
   /// it wants to know whether the way is free again. Otherwise nothing.
   std::optional<Pose2> goal() const;
+  /// The mission's number of that goal.
+  std::uint32_t number() const { return mission_.goal_number; }
   /// After a jump back in time, to `now`: stands until the mission speaks again.
   void forget(Stamp now);
 

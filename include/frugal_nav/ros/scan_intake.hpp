@@ -6,14 +6,12 @@
 #include <optional>
 #include <string>
 
-#include <geometry_msgs/PoseStamped.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 
-#include <frugal_nav/MissionState.h>
 #include <frugal_nav/common/laser_scan.hpp>
-#include <frugal_nav/common/mission_status.hpp>
 #include <frugal_nav/ros/diagnostics.hpp>
+#include <frugal_nav/ros/goal_intake.hpp>
 #include <frugal_nav/ros/intake_params.hpp>
 #include <frugal_nav/ros/odometry_intake.hpp>
 #include <frugal_nav/ros/sensor_poses.hpp>
@@ -49,9 +47,9 @@ class ScanIntake {
   ScanIntake& operator=(const ScanIntake&) = delete;
 
   /// Where to go, in odom, while the mission drives there by LIDAR; otherwise nothing.
-  std::optional<Pose2> goal() const { return isActive() ? goal_ : std::nullopt; }
+  std::optional<Pose2> goal() const { return goal_.goal(); }
   /// The mission's number of that goal.
-  std::uint32_t goalNumber() const { return mission_.goal_number; }
+  std::uint32_t goalNumber() const { return goal_.number(); }
   /// How scans are read from the next one on.
   void setRules(const ScanRules& rules) { rules_ = rules; }
   /// Hands on every scan that can be; to be called when what `ready` waits for has come.
@@ -68,10 +66,7 @@ class ScanIntake {
   };
 
   void onScan(const sensor_msgs::LaserScan& msg);
-  void onGoal(const geometry_msgs::PoseStamped& msg);
-  void onState(const MissionState& msg);
   void onTimer();
-  bool isActive() const;
   void forget(Stamp now);
   bool complete(Pending& pending);
 
@@ -81,18 +76,12 @@ class ScanIntake {
   Callbacks callbacks_;
   TimeJumpWatch time_;
   SensorPoses sensors_;
+  GoalIntake goal_;
   OdometryIntake odometry_;
   std::deque<Pending> pending_;
   std::optional<Stamp> last_scan_;
 
-  MissionStatus mission_;
-  std::optional<Pose2> goal_;
-  Stamp goal_stamp_{};
-  Stamp number_before_{};  ///< of the last state with another goal's number
-
   ros::Subscriber scan_sub_;
-  ros::Subscriber goal_sub_;
-  ros::Subscriber state_sub_;
   ros::Timer timer_;
 };
 
