@@ -31,8 +31,8 @@ class GoalDetectorNodeTest : public testing::Test {
     ASSERT_TRUE(graph_.clock.waitForNode("goal_detector"));
     ASSERT_TRUE(detections_.waitForPublisher() && observed_.waitForPublisher());
     ASSERT_TRUE(graph_.connect());
-    static int tests = 0;  // each has a time of its own: the node remembers the last stamp
-    graph_.clock.set(ros::Time(100.0 + 50.0 * ++tests));
+    static int tests = 0;  // each so much later that the goal of the one before is forgotten
+    graph_.clock.set(ros::Time(200.0 * ++tests));
   }
 
   /// The answer to an image of the present time, sent with its calibration and odometry.
