@@ -105,7 +105,7 @@ void ObstacleTracker::update(const LaserScan& scan, const Pose2& odom_from_base,
     if (best == tracks_.size()) {
       TrackedObstacle track;
       track.id = next_id_++;
-      track.p_odom = p_odom;
+      track.p_odom = track.first_p_odom = p_odom;
       track.covariance.setZero();
       track.covariance.topLeftCorner<2, 2>() = noise;
       track.covariance.bottomRightCorner<2, 2>() =
@@ -158,7 +158,8 @@ void ObstacleTracker::judge(TrackedObstacle& track) const {
   const Eigen::Matrix2d spread = track.covariance.bottomRightCorner<2, 2>();
   const double sigmas = std::sqrt(track.velocity_mps.dot(spread.inverse() * track.velocity_mps));
   track.moving = track.sightings >= params_.least_sightings && sigmas > params_.significance &&
-                 track.velocity_mps.norm() > params_.slowest_mps;
+                 track.velocity_mps.norm() > params_.slowest_mps &&
+                 (track.p_odom - track.first_p_odom).norm() >= params_.least_way_m;
 }
 
 bool ObstacleTracker::isGone(const TrackedObstacle& track, const LaserScan& scan,

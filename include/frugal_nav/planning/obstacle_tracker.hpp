@@ -27,6 +27,7 @@ struct ObstacleTrackerParams {
   double slowest_mps = 0.18;
   double significance = 2.5;
   int least_sightings = 3;
+  double least_way_m = 0.25;
   double out_of_view_s = 2.5;
   double unseen_s = 0.9;
 
@@ -51,6 +52,8 @@ struct ObstacleTrackerParams {
     visit("significance", significance,
           Field{"", "standard deviations by which its velocity must differ from zero", 0.5, 10.0});
     visit("least_sightings", least_sightings, Field{"", "sightings before a velocity counts", 2, 20});
+    visit("least_way_m", least_way_m,
+          Field{"m", "and the way it has come: what stands wanders by the depth's error", 0.0, 5.0});
     visit("out_of_view_s", out_of_view_s,
           Field{"s", "one that walked out of view is believed to go on for this long", 0.0, 30.0});
     visit("unseen_s", unseen_s,
@@ -64,6 +67,7 @@ struct TrackedObstacle {
   Eigen::Vector2d p_odom = Eigen::Vector2d::Zero();  ///< middle of the side in view
   Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  ///< of (x, y, vx, vy)
+  Eigen::Vector2d first_p_odom = Eigen::Vector2d::Zero();    ///< where it was seen first
   double radius_m = 0.0;                                     ///< half of its visible width
   int sightings = 0;
   Stamp stamp{};      ///< of p_odom
