@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 
@@ -66,6 +67,14 @@ class VisualEstimator {
     Eigen::Isometry3d wheels_from_camera;
     double way_m = 0.0;  ///< since then, as the wheels tell it
     double turn_rad = 0.0;
+    double denied_m =
+        0.0;  ///< of it, the last piece that the pose does not follow, though the images show it
+  };
+  /// One of the last images.
+  struct Past {
+    Eigen::Isometry3d odom_from_camera;
+    RayMap rays;
+    double step_m = 0.0;  ///< the way to it, as the wheels tell it
   };
   /// Rays of the same features in the anchor and now.
   struct Shared {
@@ -76,7 +85,7 @@ class VisualEstimator {
 
   void predict();
   void setAnchor(const RayMap& rays);
-  Shared sharedWithAnchor(const RayMap& rays) const;
+  static Shared sharedBetween(const RayMap& before, const RayMap& now);
   bool isThin(const Shared& shared) const;
   VisualUpdate withoutMap(const RayMap& rays);
   VisualUpdate turnOnly(const RayMap& rays, const Shared& shared, const RotationFit& turn);
@@ -85,7 +94,9 @@ class VisualEstimator {
   VisualUpdate track(const RayMap& rays);
   VisualReason findPoseInMap(const RayMap& rays, VisualUpdate& update, PoseFit& fit);
   bool isTooFarFromWheels(const Eigen::Isometry3d& odom_from_camera) const;
-  bool straysFromWheels();
+  bool straysFromWheels(const RayMap& rays);
+  bool deniesMotion(const RayMap& rays, double step_m);
+  bool showsTranslation(const RayMap& before, const RayMap& now) const;
   bool needsKeyframe(int inliers) const;
   void addKeyframe(const RayMap& rays);
   void sampleScale();
@@ -107,6 +118,7 @@ class VisualEstimator {
   std::optional<Eigen::Isometry3d> last_wheels_;
   std::optional<Anchor> anchor_;
   std::optional<Checkpoint> checkpoint_;
+  std::deque<Past> recent_;  // images of the last kDeniedWindow_m
   int keyframe_inliers_ = 0;
 };
 

@@ -119,6 +119,30 @@ TEST(VisualEstimator, SpinningWheelsDoNotMoveIt) {
   EXPECT_LT(drive.error_m(), before_m + 0.05);
 }
 
+TEST(VisualEstimator, AMapOfPointsTooFarAwayIsGivenUp) {
+  Drive drive;
+  drive.run({0.3, 0.0}, 40);
+  const double before_m = drive.error_m();
+  const Eigen::Vector3d eye = drive.estimator().odomFromCamera().translation();
+  for (auto& [id, landmark] : drive.estimator().map().landmarks())
+    landmark.p_odom = eye + 30.0 * (landmark.p_odom - eye);  // in the same direction: the pose stands still
+  drive.run({0.3, 0.0}, 20);
+  EXPECT_GE(drive.count(VisualState::kLost), 1);
+  EXPECT_LT(drive.error_m(), before_m + 0.05);
+}
+
+TEST(VisualEstimator, SmallErrorsThatAddUpBeyondTheWheelsAreGivenUp) {
+  Drive drive;
+  drive.run({0.3, 0.0}, 40);
+  const double before_m = drive.error_m();
+  for (int i = 0; i < 12; ++i) {
+    for (auto& [id, landmark] : drive.estimator().map().landmarks()) landmark.p_odom.x() += 0.02;
+    drive.step({0.0, 0.0});
+  }
+  EXPECT_GE(drive.count(VisualState::kLost), 1);
+  EXPECT_LT(drive.error_m(), before_m + 0.08);  // the limit of what is believed, and an image's error
+}
+
 TEST(VisualEstimator, WheelsAndImagesThatDisagreeForLongGiveTheMapUp) {
   Drive drive;
   drive.run({0.3, 0.0}, 40);
