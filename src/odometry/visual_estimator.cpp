@@ -332,8 +332,8 @@ bool VisualEstimator::isTooFarFromWheels(const Eigen::Isometry3d& odom_from_came
   return apart_m > kJump_m + kJumpShare * motion->translation().norm();
 }
 
-/// Whether many small errors, each of which could be believed, or a map of points too far away have led
-/// astray. The pose then is the wheels' since the checkpoint.
+/// Whether many small errors, each of which could be believed, or a map that has shrunk have led astray. The
+/// pose then is the wheels' since the checkpoint.
 bool VisualEstimator::straysFromWheels(const RayMap& rays) {
   const auto step = wheelMotion(wheels_from_camera_);
   if (!step || !is_metric_) {
@@ -368,7 +368,7 @@ bool VisualEstimator::straysFromWheels(const RayMap& rays) {
 }
 
 /// Whether over the last piece of way the pose stood nearly still, the wheels turned, and the images show
-/// that the camera moved: a map of points too far away, as a turn on the spot can leave.
+/// that the camera moved: a map that has shrunk, as a turn on the spot can leave it.
 bool VisualEstimator::deniesMotion(const RayMap& rays, double step_m) {
   recent_.push_back({odom_from_camera_, rays, step_m});
   double way_m = 0.0;

@@ -119,13 +119,13 @@ TEST(VisualEstimator, SpinningWheelsDoNotMoveIt) {
   EXPECT_LT(drive.error_m(), before_m + 0.05);
 }
 
-TEST(VisualEstimator, AMapOfPointsTooFarAwayIsGivenUp) {
+TEST(VisualEstimator, AMapThatHasShrunkIsGivenUp) {
   Drive drive;
   drive.run({0.3, 0.0}, 40);
   const double before_m = drive.error_m();
   const Eigen::Vector3d eye = drive.estimator().odomFromCamera().translation();
   for (auto& [id, landmark] : drive.estimator().map().landmarks())
-    landmark.p_odom = eye + 30.0 * (landmark.p_odom - eye);  // in the same direction: the pose stands still
+    landmark.p_odom = eye + 0.1 * (landmark.p_odom - eye);  // in the same direction: the pose nearly stands
   drive.run({0.3, 0.0}, 20);
   EXPECT_GE(drive.count(VisualState::kLost), 1);
   EXPECT_LT(drive.error_m(), before_m + 0.05);
