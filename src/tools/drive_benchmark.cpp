@@ -1,5 +1,7 @@
 // Wheel odometry, one control cycle of the base, and the whole LIDAR drive in the simulator.
 
+#include "benchmark_robot.hpp"
+
 #include <benchmark/benchmark.h>
 
 #include <frugal_nav/eval/lidar_stack.hpp>
@@ -11,20 +13,6 @@
 
 namespace frugal_nav {
 namespace {
-
-/// A box on wheels of frugal_bot's size: the program reads no files.
-RobotModel boxRobot() {
-  RobotModel robot;
-  robot.name = "box";
-  robot.drive = {"left", "right", 0.21, 0.033};
-  robot.footprint = {{-0.16, -0.125}, {0.12, -0.125}, {0.12, 0.125}, {-0.16, 0.125}};
-  Eigen::Isometry3d middle = Eigen::Isometry3d::Identity();
-  middle.translation() = Eigen::Vector3d(-0.02, 0.0, 0.105);
-  robot.collisions.push_back({"base_link", BoxShape{{0.28, 0.25, 0.05}}, middle, {}});
-  robot.base_from_link["laser"] = Eigen::Isometry3d(Eigen::Translation3d(0.02, 0.0, 0.18));
-  robot.base_from_link["imu_link"] = Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.06));
-  return robot;
-}
 
 /// A drive through a random room; the same every time.
 struct Drive {
