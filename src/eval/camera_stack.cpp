@@ -1,22 +1,17 @@
 #include "node_params.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include <frugal_nav/eval/camera_stack.hpp>
+#include <frugal_nav/eval/stopwatch.hpp>
 #include <frugal_nav/robot/param_file.hpp>
 
 namespace frugal_nav::eval {
 namespace {
 
 constexpr double kPeriods = 2.5;  // of the pipeline, that its results may be old
-
-double milliseconds() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration<double, std::milli>(now).count();
-}
 
 std::unique_ptr<Detector> orDetector(std::unique_ptr<Detector> given, const CameraStackParams& params) {
   if (given) return given;
@@ -140,17 +135,17 @@ CameraResult CameraStack::look(const Picture& picture) {
   result.stamp = picture.stamp;
   result.bgr = picture.bgr;
   result.odom_from_base = buffer_.at(picture.stamp)->odom_from_base;
-  const double begin_ms = milliseconds();
+  const double begin_ms = wallTime_ms();
   result.goal =
       finder_.look({picture.stamp, picture.bgr, camera_, base_from_optical_, result.odom_from_base});
-  const double found_ms = milliseconds();
+  const double found_ms = wallTime_ms();
   VisualInput input;
   input.stamp = picture.stamp;
   input.image = picture.bgr;
   input.odom_from_base = toIsometry(result.odom_from_base);
   input.region = regionOf(nearest_);
   result.visual = visual_.process(input);
-  const double visual_ms = milliseconds();
+  const double visual_ms = wallTime_ms();
   DepthView view;
   view.stamp = picture.stamp;
   view.bgr = picture.bgr;
@@ -164,7 +159,7 @@ CameraResult CameraStack::look(const Picture& picture) {
   finder_.addSurfaces(result.depth.scan);
   times_.detector_ms = found_ms - begin_ms;
   times_.visual_ms = visual_ms - found_ms;
-  times_.depth_ms = milliseconds() - visual_ms;
+  times_.depth_ms = wallTime_ms() - visual_ms;
   return result;
 }
 
@@ -174,7 +169,7 @@ void CameraStack::passGoal() {
 }
 
 void CameraStack::takeEffect(CameraResult result) {
-  const double begin_ms = milliseconds();
+  const double begin_ms = wallTime_ms();
   if (result.goal.goal && result.goal.state == GoalTracker::State::kSeen)
     mission_.setObservedGoal(result.goal.goal->p_odom, result.stamp);
   passGoal();
@@ -190,7 +185,7 @@ void CameraStack::takeEffect(CameraResult result) {
   base_.setObstacle(result.depth.obstacle);
   base_.setDepthScan(result.depth.scan);
   base_.setPath(result.plan.path, result.plan.stamp);
-  times_.plan_ms = milliseconds() - begin_ms;
+  times_.plan_ms = wallTime_ms() - begin_ms;
   last_ = std::move(result);
 }
 

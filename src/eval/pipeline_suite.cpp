@@ -2,7 +2,6 @@
 
 #include "random_paint.hpp"
 
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -17,6 +16,7 @@
 #include <frugal_nav/eval/camera_stack.hpp>
 #include <frugal_nav/eval/midas_sized_network.hpp>
 #include <frugal_nav/eval/statistics.hpp>
+#include <frugal_nav/eval/stopwatch.hpp>
 #include <frugal_nav/eval/visual_drive.hpp>
 #include <frugal_nav/perception/network.hpp>
 
@@ -44,11 +44,6 @@ struct PipelineOptions {
   }
 };
 
-double milliseconds() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration<double, std::milli>(now).count();
-}
-
 /// A network and an image's worth of input for it.
 class TimedNetwork {
  public:
@@ -58,9 +53,9 @@ class TimedNetwork {
                                      1.0 / 255.0)) {}
   /// Time of one run [ms].
   double run() {
-    const double begin_ms = milliseconds();
+    const double begin_ms = wallTime_ms();
     network_.run(blob_);
-    return milliseconds() - begin_ms;
+    return wallTime_ms() - begin_ms;
   }
 
  private:

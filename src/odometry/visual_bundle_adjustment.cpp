@@ -12,7 +12,7 @@ namespace frugal_nav {
 namespace {
 
 constexpr double kHuber_px = 1.0;
-constexpr double kNearest_m = 0.01;  // a point that a camera has nearer, or behind it, is no sight of it
+constexpr double kNearest_m = 0.01;    // a point that a camera has nearer, or behind it, is no sight of it
 constexpr double kCauchySigmas = 2.0;  // a wheel distance off by more is taken for slip
 
 /// camera_from_odom as an angle-axis vector and a translation.
