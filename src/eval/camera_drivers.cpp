@@ -1,11 +1,12 @@
 #include "camera_drivers.hpp"
 
+#include "straight_drive.hpp"
+
+#include <algorithm>
 #include <cmath>
 
 #include <opencv2/imgproc.hpp>
 
-#include <frugal_nav/control/velocity_limiter.hpp>
-#include <frugal_nav/control/waypoint_controller.hpp>
 #include <frugal_nav/eval/visual_drive.hpp>
 
 namespace frugal_nav::eval {
@@ -14,37 +15,15 @@ namespace {
 class StraightDriver : public CameraDriver {
  public:
   StraightDriver(const CameraStackParams& params, const RobotModel& robot, const Pose2& odom_from_goal)
-      : goal_(odom_from_goal),
-        aim_m_(params.mission.xy_aim_m),
-        wheels_(params.odometry, {robot.drive.radius_m, robot.drive.separation_m}),
-        controller_(params.base.waypoint),
-        limiter_(params.base.limits, robot.drive.separation_m) {}
+      : drive_(params.odometry, params.base, params.mission.xy_aim_m, robot, odom_from_goal) {}
 
-  Twist2 addTicks(const sim::WheelTicks& ticks) override {
-    const auto odometry = wheels_.addTicks(ticks.stamp, ticks.left, ticks.right);
-    if (!odometry) return command_;
-    odom_from_base_ = odometry->odom_from_base;
-    reached_ = reached_ || distance(odom_from_base_, goal_) < aim_m_;
-    const Twist2 wanted = controller_.command(odom_from_base_, goal_.position());
-    const double elapsed_s = last_ == Stamp{} ? 0.0 : toSeconds(ticks.stamp - last_);
-    last_ = ticks.stamp;
-    command_ = limiter_.limitAcceleration(limiter_.limitSpeed(wanted), command_, elapsed_s);
-    return command_;
-  }
+  Twist2 addTicks(const sim::WheelTicks& ticks) override { return drive_.addTicks(ticks); }
   void addImage(const sim::CameraImage&) override {}
-  Pose2 odometry() const override { return odom_from_base_; }
-  bool reached() const override { return reached_; }
+  Pose2 odometry() const override { return drive_.odometry(); }
+  bool reached() const override { return drive_.reached(); }
 
  private:
-  Pose2 goal_;
-  double aim_m_;
-  WheelOdometry wheels_;
-  WaypointController controller_;
-  VelocityLimiter limiter_;
-  Pose2 odom_from_base_;
-  Twist2 command_;
-  Stamp last_{};
-  bool reached_ = false;
+  StraightDrive drive_;
 };
 
 class StackDriver : public CameraDriver {

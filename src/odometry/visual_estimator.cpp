@@ -17,22 +17,8 @@ constexpr double kStartCourseError_rad = 0.35;  // and their courses
 constexpr double kAdjustedCourseError_rad = 0.08;  // once all features have been adjusted
 constexpr double kJumpShare = 2.0;                 // visual over wheel motion of one image
 constexpr double kJump_m = 0.05;                   // that is not believed
-// Over a checkpoint's way: what slip, a wrong wheel radius or separation may make. Beyond it the images
-// erred.
-constexpr double kStray_m = 0.05;
-constexpr double kStrayShare = 0.1;
-constexpr double kStray_rad = 0.08;
-constexpr double kStrayTurnShare = 0.15;
-constexpr double kCheckpointWay_m = 0.5;
-constexpr double kCheckpointTurn_rad = 1.0;
-constexpr double kDeniedWindow_m = 0.1;  // way over which seen and told motion are compared
-constexpr double kDeniedShare = 0.5;     // seen over told below which the motion is denied
-constexpr double kDenied_m = 0.25;  // longer than the window, so that wheels that begin to slip are not it
-constexpr std::size_t kMostRecent = 30;
 constexpr int kDisagreements = 5;     // scale samples before wheels and images are said to disagree
 constexpr double kStraySigmas = 3.0;  // of the scale
-
-double turnOf(const Eigen::Isometry3d& motion) { return Eigen::AngleAxisd(motion.linear()).angle(); }
 
 }  // namespace
 
@@ -42,7 +28,8 @@ VisualEstimator::VisualEstimator(const VisualOdometryParams& params, double foca
       focal_px_(focal_px),
       base_from_camera_(base_from_camera),
       map_(params.map, focal_px),
-      scale_(static_cast<std::size_t>(params.motion.scale_samples)) {}
+      scale_(static_cast<std::size_t>(params.motion.scale_samples)),
+      stray_(params.checks, focal_px) {}
 
 void VisualEstimator::reset() { *this = VisualEstimator(params_, focal_px_, base_from_camera_); }
 
@@ -50,6 +37,7 @@ void VisualEstimator::setFocal(double focal_px) {
   dropMap();
   focal_px_ = focal_px;
   map_ = VisualMap(params_.map, focal_px);
+  stray_ = VisualStrayWatch(params_.checks, focal_px);
 }
 
 std::optional<Eigen::Isometry3d> VisualEstimator::wheelMotion(
@@ -103,8 +91,7 @@ void VisualEstimator::lose(const std::optional<Eigen::Isometry3d>& wheels_from_c
 void VisualEstimator::dropMap() {
   map_.clear();
   anchor_.reset();
-  checkpoint_.reset();
-  recent_.clear();
+  stray_.reset();
   last_motion_ = Eigen::Isometry3d::Identity();
 }
 
@@ -139,19 +126,7 @@ void VisualEstimator::setAnchor(const RayMap& rays) {
   anchor_ = Anchor{odom_from_camera_, wheels_from_camera_, rays, 0};
 }
 
-VisualEstimator::Shared VisualEstimator::sharedBetween(const RayMap& before, const RayMap& now) {
-  Shared shared;
-  for (const auto& [id, ray] : now) {
-    const auto earlier = before.find(id);
-    if (earlier == before.end()) continue;
-    shared.ids.push_back(id);
-    shared.before.push_back(earlier->second);
-    shared.now.push_back(ray);
-  }
-  return shared;
-}
-
-bool VisualEstimator::isThin(const Shared& shared) const {
+bool VisualEstimator::isThin(const SharedRays& shared) const {
   return static_cast<double>(shared.ids.size()) < kAnchorShare * static_cast<double>(anchor_->most_shared);
 }
 
@@ -162,7 +137,7 @@ VisualUpdate VisualEstimator::withoutMap(const RayMap& rays) {
     update.reason = VisualReason::kFirstImage;
     return update;
   }
-  const Shared shared = sharedBetween(anchor_->rays, rays);
+  const SharedRays shared = sharedBetween(anchor_->rays, rays);
   const auto turn = fitRotation(shared.before, shared.now, focal_px_, params_.checks.rotation_residual_px);
   if (!turn || static_cast<int>(shared.ids.size()) < params_.checks.min_features) {
     setAnchor(rays);
@@ -187,7 +162,8 @@ VisualUpdate VisualEstimator::withoutMap(const RayMap& rays) {
   return update;
 }
 
-VisualUpdate VisualEstimator::turnOnly(const RayMap& rays, const Shared& shared, const RotationFit& turn) {
+VisualUpdate VisualEstimator::turnOnly(const RayMap& rays, const SharedRays& shared,
+                                       const RotationFit& turn) {
   VisualUpdate update;
   update.inliers = turn.inliers;
   const double turned_rad = Eigen::AngleAxisd(turn.b_from_a).angle();
@@ -210,7 +186,7 @@ bool VisualEstimator::agreesWithWheels(const Eigen::Isometry3d& anchor_from_now,
   return cosine > std::cos(course_error_rad);
 }
 
-VisualReason VisualEstimator::tryStart(const RayMap& rays, const Shared& shared, int& inliers) {
+VisualReason VisualEstimator::tryStart(const RayMap& rays, const SharedRays& shared, int& inliers) {
   double baseline_m = kUnscaledBaseline;
   const bool has_wheels = anchor_->wheels_from_camera && wheels_from_camera_;
   if (has_wheels) {
@@ -332,64 +308,16 @@ bool VisualEstimator::isTooFarFromWheels(const Eigen::Isometry3d& odom_from_came
   return apart_m > kJump_m + kJumpShare * motion->translation().norm();
 }
 
-/// Whether many small errors, each of which could be believed, or a map that has shrunk have led astray. The
-/// pose then is the wheels' since the checkpoint.
+/// Gives the pose back to the wheels when it has gone astray.
 bool VisualEstimator::straysFromWheels(const RayMap& rays) {
   const auto step = wheelMotion(wheels_from_camera_);
   if (!step || !is_metric_) {
-    checkpoint_.reset();
+    stray_.pause();
     return false;
   }
-  const double step_m = step->translation().norm();
-  const bool denies = deniesMotion(rays, step_m);
-  if (!checkpoint_) {
-    checkpoint_ = Checkpoint{odom_from_camera_, *wheels_from_camera_};
-    return false;
-  }
-  checkpoint_->way_m += step_m;
-  checkpoint_->turn_rad += turnOf(*step);
-  checkpoint_->denied_m = denies ? checkpoint_->denied_m + step_m : 0.0;
-  const Eigen::Isometry3d told = checkpoint_->wheels_from_camera.inverse() * *wheels_from_camera_;
-  const Eigen::Isometry3d seen = checkpoint_->odom_from_camera.inverse() * odom_from_camera_;
-  // Wheels that slip or spin turn more than the robot moves, never less: of less the images may tell.
-  const double length2 = told.translation().squaredNorm();
-  const double share = length2 > 0.0 ? seen.translation().dot(told.translation()) / length2 : 0.0;
-  const Eigen::Vector3d beside = seen.translation() - std::clamp(share, 0.0, 1.0) * told.translation();
-  const bool strays = beside.norm() > kStray_m + kStrayShare * checkpoint_->way_m ||
-                      turnOf(seen) > turnOf(told) + kStray_rad + kStrayTurnShare * checkpoint_->turn_rad ||
-                      checkpoint_->denied_m > kDenied_m;
-  const bool is_old = checkpoint_->way_m > kCheckpointWay_m || checkpoint_->turn_rad > kCheckpointTurn_rad;
-  if (strays) {
-    odom_from_camera_ = checkpoint_->odom_from_camera * told;
-  } else if (is_old && !denies) {
-    checkpoint_ = Checkpoint{odom_from_camera_, *wheels_from_camera_};
-  }
-  return strays;
-}
-
-/// Whether over the last piece of way the pose stood nearly still, the wheels turned, and the images show
-/// that the camera moved: a map that has shrunk, as a turn on the spot can leave it.
-bool VisualEstimator::deniesMotion(const RayMap& rays, double step_m) {
-  recent_.push_back({odom_from_camera_, rays, step_m});
-  double way_m = 0.0;
-  for (std::size_t i = 1; i < recent_.size(); ++i) way_m += recent_[i].step_m;
-  while (recent_.size() > 2 &&
-         (way_m - recent_[1].step_m >= kDeniedWindow_m || recent_.size() > kMostRecent)) {
-    way_m -= recent_[1].step_m;
-    recent_.pop_front();
-  }
-  if (way_m < kDeniedWindow_m) return false;
-  const Past& before = recent_.front();
-  const double seen_m = (odom_from_camera_.translation() - before.odom_from_camera.translation()).norm();
-  return seen_m < kDeniedShare * way_m && showsTranslation(before.rays, rays);
-}
-
-/// Whether features have moved otherwise than a turn moves them. Too few of them tell nothing: then yes.
-bool VisualEstimator::showsTranslation(const RayMap& before, const RayMap& now) const {
-  const Shared shared = sharedBetween(before, now);
-  const auto turn = fitRotation(shared.before, shared.now, focal_px_, params_.checks.rotation_residual_px);
-  return !turn || static_cast<int>(shared.ids.size()) < params_.checks.min_features ||
-         turn->median_residual_px > params_.checks.rotation_residual_px;
+  const auto instead = stray_.check(odom_from_camera_, *wheels_from_camera_, *step, rays);
+  if (instead) odom_from_camera_ = *instead;
+  return instead.has_value();
 }
 
 bool VisualEstimator::needsKeyframe(int inliers) const {

@@ -10,7 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include <frugal_nav/perception/depth_gap.hpp>
-#include <frugal_nav/perception/detector.hpp>
+#include <frugal_nav/perception/image_fault.hpp>
 
 namespace frugal_nav {
 namespace {
@@ -19,25 +19,11 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr float kLeastInverse_pm = 0.01F;
 constexpr float kAlike = 0.2F;  // share by which a floor's fitted depth may be off
 
-std::string sizeText(int width_px, int height_px) {
-  return std::to_string(width_px) + "x" + std::to_string(height_px);
-}
-
 std::string faultOf(const DepthView& view) {
-  std::string fault = imageFault(view.bgr);
-  if (fault.empty()) fault = exposureFault(view.bgr);
-  if (fault.empty()) fault = view.camera.fault();
+  const std::string fault = viewFault(view.bgr, view.camera, view.odom_from_base);
   if (!fault.empty()) return fault;
-  if (!view.odom_from_base.isFinite()) return "the odometry is not finite";
   if (!view.base_from_optical.matrix().allFinite()) return "the camera's pose is not finite";
   if (view.base_from_optical.translation().z() < 0.02) return "the camera lies below the floor";
-  // A resized image keeps its shape, to a row of rounding; a cropped one has another principal point.
-  const int rows = static_cast<int>(
-      std::lround(static_cast<double>(view.bgr.cols) * view.camera.height_px / view.camera.width_px));
-  if (std::abs(rows - view.bgr.rows) > 1) {
-    return "the image is " + sizeText(view.bgr.cols, view.bgr.rows) + ", but its camera is calibrated for " +
-           sizeText(view.camera.width_px, view.camera.height_px);
-  }
   return {};
 }
 

@@ -5,29 +5,10 @@
 #include <utility>
 
 #include <frugal_nav/perception/goal_finder.hpp>
+#include <frugal_nav/perception/image_fault.hpp>
 
 namespace frugal_nav {
 namespace {
-
-std::string sizeText(int width_px, int height_px) {
-  return std::to_string(width_px) + "x" + std::to_string(height_px);
-}
-
-std::string faultOf(const GoalView& view) {
-  std::string fault = imageFault(view.bgr);
-  if (fault.empty()) fault = exposureFault(view.bgr);
-  if (fault.empty()) fault = view.camera.fault();
-  if (!fault.empty()) return fault;
-  if (!view.odom_from_base.isFinite()) return "the odometry is not finite";
-  // A resized image keeps its shape, to a row of rounding; a cropped one has another principal point.
-  const int rows = static_cast<int>(
-      std::lround(static_cast<double>(view.bgr.cols) * view.camera.height_px / view.camera.width_px));
-  if (std::abs(rows - view.bgr.rows) > 1) {
-    return "the image is " + sizeText(view.bgr.cols, view.bgr.rows) + ", but its camera is calibrated for " +
-           sizeText(view.camera.width_px, view.camera.height_px);
-  }
-  return {};
-}
 
 // Images whose surfaces may still come: the pipeline is a few images behind at most.
 constexpr std::size_t kAwaited = 8;
@@ -82,7 +63,7 @@ HeadRangeParams GoalFinder::calibratedRange() const {
 
 GoalFrame GoalFinder::look(const GoalView& view) {
   GoalFrame frame;
-  frame.fault = faultOf(view);
+  frame.fault = viewFault(view.bgr, view.camera, view.odom_from_base);
   bool could_see = true;
   if (frame.fault.empty()) {
     const HeadRange range(calibratedRange(), view.camera.scaled(view.bgr.cols, view.bgr.rows),

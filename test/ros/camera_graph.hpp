@@ -94,17 +94,4 @@ class CameraGraph {
   tf2_ros::StaticTransformBroadcaster tf_;
 };
 
-/// Waits for the answer to the image of that stamp.
-template <class Message>
-const Message* answerAt(const Recorder<Message>& recorder, ros::Time stamp) {
-  const Message* found = nullptr;
-  waitUntil([&] {
-    for (const Message& message : recorder.messages) {
-      if (message.header.stamp == stamp) found = &message;
-    }
-    return found != nullptr;
-  });
-  return found;
-}
-
 }  // namespace frugal_nav::test

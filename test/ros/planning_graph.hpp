@@ -103,19 +103,6 @@ class PlanningGraph {
   tf2_ros::StaticTransformBroadcaster tf_;
 };
 
-/// Waits for the answer to the scan of that stamp; each scan must have exactly one.
-template <class Message>
-const Message* answerAt(const Recorder<Message>& recorder, ros::Time stamp) {
-  const Message* found = nullptr;
-  waitUntil([&] {
-    for (const Message& message : recorder.messages) {
-      if (message.header.stamp == stamp) found = &message;
-    }
-    return found != nullptr;
-  });
-  return found;
-}
-
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace frugal_nav::test

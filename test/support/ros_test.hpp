@@ -126,6 +126,19 @@ class Recorder {
   ros::Subscriber subscriber_;
 };
 
+/// Waits for the answer to the sensor message of that stamp; null when none comes.
+template <class Message>
+const Message* answerAt(const Recorder<Message>& recorder, ros::Time stamp) {
+  const Message* found = nullptr;
+  waitUntil([&] {
+    for (const Message& message : recorder.messages) {
+      if (message.header.stamp == stamp) found = &message;
+    }
+    return found != nullptr;
+  });
+  return found;
+}
+
 /// Waits until someone listens to a publisher.
 inline bool waitForSubscriber(const ros::Publisher& publisher) {
   return waitUntil([&publisher] { return publisher.getNumSubscribers() > 0; });

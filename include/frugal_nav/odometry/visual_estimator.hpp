@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <deque>
-#include <map>
 #include <optional>
 
 #include <Eigen/Geometry>
@@ -10,13 +7,12 @@
 #include <frugal_nav/odometry/visual_bundle_adjustment.hpp>
 #include <frugal_nav/odometry/visual_map.hpp>
 #include <frugal_nav/odometry/visual_params.hpp>
+#include <frugal_nav/odometry/visual_rays.hpp>
 #include <frugal_nav/odometry/visual_scale.hpp>
 #include <frugal_nav/odometry/visual_status.hpp>
+#include <frugal_nav/odometry/visual_stray_watch.hpp>
 
 namespace frugal_nav {
-
-/// Rays to the features of one image, by feature id.
-using RayMap = std::map<std::int64_t, Ray2>;
 
 /// What one image brought.
 struct VisualUpdate {
@@ -61,42 +57,17 @@ class VisualEstimator {
     RayMap rays;
     std::size_t most_shared = 0;  ///< features that an image had in common with it
   };
-  /// A pose of a moment ago, from which images and wheels must have gone alike.
-  struct Checkpoint {
-    Eigen::Isometry3d odom_from_camera;
-    Eigen::Isometry3d wheels_from_camera;
-    double way_m = 0.0;  ///< since then, as the wheels tell it
-    double turn_rad = 0.0;
-    double denied_m =
-        0.0;  ///< of it, the last piece that the pose does not follow, though the images show it
-  };
-  /// One of the last images.
-  struct Past {
-    Eigen::Isometry3d odom_from_camera;
-    RayMap rays;
-    double step_m = 0.0;  ///< the way to it, as the wheels tell it
-  };
-  /// Rays of the same features in the anchor and now.
-  struct Shared {
-    std::vector<std::int64_t> ids;
-    std::vector<Ray2> before;
-    std::vector<Ray2> now;
-  };
-
   void predict();
   void setAnchor(const RayMap& rays);
-  static Shared sharedBetween(const RayMap& before, const RayMap& now);
-  bool isThin(const Shared& shared) const;
+  bool isThin(const SharedRays& shared) const;
   VisualUpdate withoutMap(const RayMap& rays);
-  VisualUpdate turnOnly(const RayMap& rays, const Shared& shared, const RotationFit& turn);
-  VisualReason tryStart(const RayMap& rays, const Shared& shared, int& inliers);
+  VisualUpdate turnOnly(const RayMap& rays, const SharedRays& shared, const RotationFit& turn);
+  VisualReason tryStart(const RayMap& rays, const SharedRays& shared, int& inliers);
   bool agreesWithWheels(const Eigen::Isometry3d& anchor_from_now, double course_error_rad) const;
   VisualUpdate track(const RayMap& rays);
   VisualReason findPoseInMap(const RayMap& rays, VisualUpdate& update, PoseFit& fit);
   bool isTooFarFromWheels(const Eigen::Isometry3d& odom_from_camera) const;
   bool straysFromWheels(const RayMap& rays);
-  bool deniesMotion(const RayMap& rays, double step_m);
-  bool showsTranslation(const RayMap& before, const RayMap& now) const;
   bool needsKeyframe(int inliers) const;
   void addKeyframe(const RayMap& rays);
   void sampleScale();
@@ -117,8 +88,7 @@ class VisualEstimator {
   std::optional<Eigen::Isometry3d> wheels_from_camera_;            // now
   std::optional<Eigen::Isometry3d> last_wheels_;
   std::optional<Anchor> anchor_;
-  std::optional<Checkpoint> checkpoint_;
-  std::deque<Past> recent_;  // images of the last kDeniedWindow_m
+  VisualStrayWatch stray_;
   int keyframe_inliers_ = 0;
 };
 

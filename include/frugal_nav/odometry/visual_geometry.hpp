@@ -12,6 +12,9 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// Where a camera looks at something: (x, y) of the point at z = 1 in its optical frame.
 using Ray2 = Eigen::Vector2d;
 
+/// By how much a motion turns [rad].
+inline double turnOf(const Eigen::Isometry3d& motion) { return Eigen::AngleAxisd(motion.linear()).angle(); }
+
 /// The floor's word on a camera: how the base is mounted below it, and how surely it stands upright at z = 0.
 struct PlanarPrior {
   Eigen::Isometry3d camera_from_base = Eigen::Isometry3d::Identity();

@@ -10,12 +10,6 @@
 
 namespace frugal_nav {
 
-/// What is wrong with an image that is to be CV_8UC3, BGR; empty when it can be used.
-std::string imageFault(const cv::Mat& bgr);
-
-/// Whether a sound image shows anything: what is wrong with a black or a saturated one; empty otherwise.
-std::string exposureFault(const cv::Mat& bgr);
-
 /// What a detector has met.
 struct DetectorCounts {
   std::uint64_t images = 0;      ///< looked at

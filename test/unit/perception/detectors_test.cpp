@@ -9,6 +9,7 @@
 #include <support/temp_folder.hpp>
 
 #include <frugal_nav/perception/face_detectors.hpp>
+#include <frugal_nav/perception/image_fault.hpp>
 #include <frugal_nav/perception/yolo_detector.hpp>
 #include <frugal_nav/robot/param_file.hpp>
 
