@@ -17,7 +17,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr float kLeastInverse_pm = 0.01F;
-constexpr float kAlike = 0.2F;  // share by which a floor's fitted depth may be off
 
 std::string faultOf(const DepthView& view) {
   const std::string fault = viewFault(view.bgr, view.camera, view.odom_from_base);
@@ -34,14 +33,12 @@ struct DepthGap::Impl {
       : params(validated(p, "depth_gap")),
         network(std::move(depth_network)),
         floor(p.floor),
-        colours(p.colours),
         memory(p.memory),
         filter(p.fit),
         motion(p.obstacle) {}
 
   void reset() {
     floor.reset();
-    colours.reset();
     memory.reset();
     filter.reset();
     motion.reset();
@@ -107,42 +104,10 @@ struct DepthGap::Impl {
     return floorOf(findFloorContacts({}, expected, *rays, params.contact), *rays);
   }
 
-  /// How likely each cell is floor by its colour: what was learned and what k-means says, as one.
-  cv::Mat floorShare(const cv::Mat& small, const cv::Mat& colour_mask) const {
-    cv::Mat clustered;
-    colour_mask.convertTo(clustered, CV_32F, 1.0 / 255.0);
-    const cv::Mat learned = colours.likelihood(small);
-    if (learned.empty()) return clustered;
-    const double share = params.learned_share;
-    return share * learned + (1.0 - share) * clustered;
-  }
-
   /// What the colour calls floor, without what stands on it by the last scale.
-  cv::Mat floorBefore(const cv::Mat& floor_share, const cv::Mat& expected) const {
-    const cv::Mat by_colour = floor_share > 0.5;
-    if (expected.empty()) return by_colour;
-    return by_colour & floorOf(findFloorContacts(floor_share, expected, *rays, params.contact), *rays);
-  }
-
-  /// Learns the colours of what is surely floor, and surely not: the lines say so, and the geometry does not
-  /// contradict.
-  void learnColours(const cv::Mat& small, const cv::Mat& geometry, const DepthFrame& frame) {
-    if (geometry.empty()) return;
-    cv::Mat sure_floor = cv::Mat::zeros(small.size(), CV_8UC1);
-    cv::Mat sure_other = cv::Mat::zeros(small.size(), CV_8UC1);
-    for (int column = 0; column < small.cols; ++column) {
-      const int line = frame.contacts[static_cast<std::size_t>(column)].row;
-      for (int row = rays->firstRowBelowHorizon(column, params.contact.horizon_margin_rad); row < small.rows;
-           ++row) {
-        const float ratio = geometry.at<float>(row, column) / rays->inverseFloorDepth(row, column);
-        constexpr int kMargin = 2;
-        const bool is_below = frame.floor.at<uchar>(row, column) != 0 && row > line + kMargin;
-        if (is_below && std::abs(ratio - 1.0F) < kAlike) sure_floor.at<uchar>(row, column) = 255;
-        if (frame.floor.at<uchar>(row, column) == 0 && row < line - kMargin)
-          sure_other.at<uchar>(row, column) = 255;
-      }
-    }
-    colours.learn(small, sure_floor, sure_other);
+  cv::Mat floorBefore(const cv::Mat& colour_mask, const cv::Mat& expected) const {
+    if (expected.empty()) return colour_mask;
+    return colour_mask & floorOf(findFloorContacts(colour_mask, expected, *rays, params.contact), *rays);
   }
 
   /// Mends the fitted depth by all that is known in metres, and says how sure it then is.
@@ -244,14 +209,11 @@ struct DepthGap::Impl {
         use_geometry ? memory.recall(view.stamp, view.odom_from_base, *rays) : std::vector<DepthAnchor>();
     const cv::Mat expected = use_geometry ? reminded(frame.inverse, filter.fit(), remembered) : cv::Mat();
     const cv::Mat colour_mask = floor.find(small, *rays, likelyFloor(expected));
-    const cv::Mat floor_share = floorShare(small, colour_mask);
-    fitMetres(view, floorBefore(floor_share, expected), frame);
+    fitMetres(view, floorBefore(colour_mask, expected), frame);
     const cv::Mat fitted = fittedInverse(frame.inverse, frame.fit);
-    const cv::Mat geometry = use_geometry ? reminded(frame.inverse, frame.fit, remembered) : cv::Mat();
-    frame.contacts = findFloorContacts(floor_share, geometry, *rays, params.contact);
+    frame.contacts = findFloorContacts(colour_mask, use_geometry ? fitted : cv::Mat(), *rays, params.contact);
     refineContacts(view.bgr, *rays, params.contact, frame.contacts);
     frame.floor = floorOf(frame.contacts, *rays);
-    learnColours(small, geometry, frame);
     cv::Mat sigma;
     const cv::Mat mended = mend(view, fitted, frame, remembered, sigma);
     if (!mended.empty()) frame.depth_m = depthOf(mended, frame);
@@ -269,7 +231,6 @@ struct DepthGap::Impl {
   DepthGapParams params;
   std::unique_ptr<DepthNetwork> network;
   FloorMask floor;
-  FloorColours colours;
   ContactMemory memory;
   MetricFilter filter;
   ObstacleMotion motion;

@@ -13,7 +13,7 @@ namespace {
 struct Column {
   std::vector<float> floor;            // inverse depth of the floor [1/m]
   std::vector<float> fitted;           // that of the network, fitted; empty when unknown
-  std::vector<float> is_floor;         // by colour, 0..1; empty when unknown
+  std::vector<uchar> is_floor;         // by colour
   std::vector<float> height_by_depth;  // of a point at depth one, over the camera
   float camera_height_m = 0.0F;
 
@@ -24,14 +24,14 @@ struct Column {
   }
 };
 
-Column columnOf(int column, const cv::Mat& floor_share, const cv::Mat& inverse, const ViewRays& rays,
+Column columnOf(int column, const cv::Mat& colour_mask, const cv::Mat& inverse, const ViewRays& rays,
                 const FloorContactParams& params) {
   Column c;
   c.camera_height_m = static_cast<float>(rays.cameraHeight_m());
   const int first = rays.firstRowBelowHorizon(column, params.horizon_margin_rad);
   for (int row = rays.grid().height - 1; row >= first; --row) {
     c.floor.push_back(rays.inverseFloorDepth(row, column));
-    if (!floor_share.empty()) c.is_floor.push_back(floor_share.at<float>(row, column));
+    if (!colour_mask.empty()) c.is_floor.push_back(colour_mask.at<uchar>(row, column));
     c.height_by_depth.push_back(rays.ray(row, column).z());
     if (!inverse.empty()) c.fitted.push_back(inverse.at<float>(row, column));
   }
@@ -64,19 +64,16 @@ class Line {
     return cost;
   }
 
-  /// Where the colour changes from floor to something else, seen over two rows to each side.
   double edgeBonus(std::size_t line) const {
-    if (c_.is_floor.empty() || line < 2 || line + 2 > c_.size()) return 0.0;
-    const float drop =
-        0.5F * (c_.is_floor[line - 1] + c_.is_floor[line - 2] - c_.is_floor[line] - c_.is_floor[line + 1]);
-    return params_.edge_bonus * static_cast<double>(std::max(0.0F, drop));
+    const bool is_edge =
+        !c_.is_floor.empty() && line > 0 && c_.is_floor[line - 1] != 0 && c_.is_floor[line] == 0;
+    return is_edge ? params_.edge_bonus : 0.0;
   }
 
  private:
   double colour(std::size_t i, bool expects_floor) const {
     if (c_.is_floor.empty()) return 0.0;
-    const auto share = static_cast<double>(c_.is_floor[i]);
-    return params_.colour_cost * (expects_floor ? 1.0 - share : share);
+    return (c_.is_floor[i] != 0) == expects_floor ? 0.0 : params_.colour_cost;
   }
   double geometry(std::size_t i, float expected) const {
     if (c_.fitted.empty()) return 0.0;
@@ -95,10 +92,8 @@ class Line {
 float hiddenDepth(const Column& c) {
   const std::size_t count = std::min<std::size_t>(c.size(), 8);
   const auto end = static_cast<std::ptrdiff_t>(count);
-  const bool is_coloured = !c.is_floor.empty() && std::count_if(c.is_floor.begin(), c.is_floor.begin() + end,
-                                                                [](float share) { return share < 0.5F; }) *
-                                                          2 >
-                                                      end;
+  const bool is_coloured =
+      !c.is_floor.empty() && 2 * std::count(c.is_floor.begin(), c.is_floor.begin() + end, 0) > end;
   const float least = 1.05F * c.floor.front();
   if (c.fitted.empty()) return is_coloured ? least : 0.0F;
   std::vector<float> bottom(c.fitted.begin(), c.fitted.begin() + end);
@@ -181,11 +176,11 @@ Edge strongestEdge(const cv::Mat& bgr, const cv::Rect& band) {
 
 }  // namespace
 
-std::vector<FloorContact> findFloorContacts(const cv::Mat& floor_share, const cv::Mat& inverse_depth_pm,
+std::vector<FloorContact> findFloorContacts(const cv::Mat& colour_mask, const cv::Mat& inverse_depth_pm,
                                             const ViewRays& rays, const FloorContactParams& params) {
   std::vector<FloorContact> contacts;
   for (int column = 0; column < rays.grid().width; ++column) {
-    contacts.push_back(contactOf(columnOf(column, floor_share, inverse_depth_pm, rays, params),
+    contacts.push_back(contactOf(columnOf(column, colour_mask, inverse_depth_pm, rays, params),
                                  rays.grid().height - 1, params));
   }
   smooth(params.smooth_columns, contacts);

@@ -20,7 +20,6 @@
 #include <frugal_nav/perception/contact_memory.hpp>
 #include <frugal_nav/perception/depth_correction.hpp>
 #include <frugal_nav/perception/depth_network.hpp>
-#include <frugal_nav/perception/floor_colours.hpp>
 #include <frugal_nav/perception/floor_contact.hpp>
 #include <frugal_nav/perception/floor_mask.hpp>
 #include <frugal_nav/perception/gap_finder.hpp>
@@ -62,11 +61,9 @@ struct DepthGapParams {
   std::string method = "fused";
   double unscaled_factor_pm = 1.0;
   int grid_width_px = 160;
-  double learned_share = 0.7;
   double vo_scale_sigma = 0.02;
   double min_goal_sigma = 0.05;
   FloorMaskParams floor;
-  FloorColourParams colours;
   FloorContactParams contact;
   ContactMemoryParams memory;
   MetricFitParams fit;
@@ -86,14 +83,11 @@ struct DepthGapParams {
           Field{"1/m", "unscaled: 1 / depth is this times the network's value", 1e-9, 1e9});
     visit("grid_width_px", grid_width_px,
           Field{"px", "width of the grid on which all but the network works", 40, 640});
-    visit("learned_share", learned_share,
-          Field{"", "weight of the learned floor colours beside the two of k-means", 0.0, 1.0});
     visit("vo_scale_sigma", vo_scale_sigma,
           Field{"", "error of visual odometry's scale as a share of it: that of the wheels", 0.0, 1.0});
     visit("min_goal_sigma", min_goal_sigma,
           Field{"", "least error of the goal's distance as a share of it: heads differ", 0.0, 1.0});
     visit("floor", floor);
-    visit("colours", colours);
     visit("contact", contact);
     visit("memory", memory);
     visit("fit", fit);

@@ -11,10 +11,10 @@ namespace frugal_nav {
 
 /// How the line is found on which things stand.
 struct FloorContactParams {
-  double geometry_sigma = 0.13;
-  double truncation = 1.5;
+  double geometry_sigma = 0.18;
+  double truncation = 2.0;
   double colour_cost = 1.2;
-  double edge_bonus = 5.0;
+  double edge_bonus = 1.5;
   double stand_height_m = 0.15;
   double horizon_margin_rad = 0.02;
   double max_depth_m = 6.0;
@@ -70,10 +70,9 @@ struct FloorContact {
 /// For each column the row from which on something stands on the floor: below it the fitted inverse depth is
 /// the floor's and the colour too, above it the depth stays that of the line. Colour and geometry are costs
 /// of one sum, so that a floor-coloured thing is none and a patterned floor still is. `inverse_depth_pm`
-/// (CV_32FC1 [1/m], the grid's size) is empty while no scale is known: then the colour decides alone.
-/// `floor_share` (CV_32FC1, 0..1) tells how likely each cell is floor by its colour; empty: the geometry
-/// decides alone.
-std::vector<FloorContact> findFloorContacts(const cv::Mat& floor_share, const cv::Mat& inverse_depth_pm,
+/// (CV_32FC1 [1/m], the grid's size) is empty while no scale is known: then the colour decides alone. An
+/// empty `colour_mask` leaves the decision to the geometry.
+std::vector<FloorContact> findFloorContacts(const cv::Mat& colour_mask, const cv::Mat& inverse_depth_pm,
                                             const ViewRays& rays, const FloorContactParams& params);
 
 /// Moves the lines to the sharpest change of the image (CV_8UC3) near them and gives depths and sigmas.

@@ -5,7 +5,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include <frugal_nav/perception/contact_memory.hpp>
-#include <frugal_nav/perception/floor_colours.hpp>
 #include <frugal_nav/perception/floor_contact.hpp>
 #include <frugal_nav/perception/floor_mask.hpp>
 
@@ -26,15 +25,10 @@ class Floor : public testing::Test {
     cv::resize(view_.image(), image, view_.rays().grid(), 0.0, 0.0, cv::INTER_AREA);
     return image;
   }
-  std::vector<FloorContact> contacts(const cv::Mat& share) const {
-    auto found = findFloorContacts(share, view_.inverseDepth(), view_.rays(), FloorContactParams{});
+  std::vector<FloorContact> contacts(const cv::Mat& mask) const {
+    auto found = findFloorContacts(mask, view_.inverseDepth(), view_.rays(), FloorContactParams{});
     refineContacts(view_.image(), view_.rays(), FloorContactParams{}, found);
     return found;
-  }
-  cv::Mat shareOf(const cv::Mat& mask) const {
-    cv::Mat share;
-    mask.convertTo(share, CV_32F, 1.0 / 255.0);
-    return share;
   }
   /// Depth along the optical axis of the floor where a board stands, at its middle.
   static double footDepth(double x_m) {
@@ -88,24 +82,12 @@ TEST_F(Floor, StaysTheSameColourWhenAThingFillsTheStrip) {
   EXPECT_GT(share(found, {0, 100, 15, 20}), 0.99);
 }
 
-TEST_F(Floor, ColoursAreLearnedAndToldFromOthers) {
-  view_.floor_colour_2 = {60, 70, 160};
-  view_.boards = {{2.0, -0.2, 0.2, 0.6}};
-  view_.boards[0].colour = {200, 60, 40};
-  FloorColours colours{FloorColourParams{}};
-  EXPECT_TRUE(colours.likelihood(small()).empty());
-  colours.learn(small(), view_.floor(), ~view_.floor());
-  const cv::Mat likely = colours.likelihood(small()) > 0.5;
-  EXPECT_GT(share(likely, {0, 95, 160, 25}), 0.95);  // both tiles
-  EXPECT_LT(share(likely, {73, 75, 13, 10}), 0.01);
-}
-
 // A board 2 m ahead: within a millimetre or two of the true foot once the line is sharpened, a row of the
 // image being 2.6 cm there and the line half a row.
 TEST_F(Floor, LineTellsTheDistanceOfWhatStandsOnIt) {
   for (const double x_m : {1.3, 1.8, 2.4}) {
     view_.boards = {{x_m, -0.3, 0.3, 0.6}};
-    const auto found = contacts(shareOf(view_.floor()));
+    const auto found = contacts(view_.floor());
     ASSERT_EQ(found[80].state, State::kContact) << x_m;
     const double row_m = x_m * x_m / (0.4 * 532.0);
     EXPECT_NEAR(found[80].depth_m, footDepth(x_m), row_m + 0.005) << x_m;
@@ -115,7 +97,7 @@ TEST_F(Floor, LineTellsTheDistanceOfWhatStandsOnIt) {
 
 TEST_F(Floor, AThingOfItsColourIsNone) {
   view_.boards = {{1.6, -0.3, 0.3, 0.6}};
-  const cv::Mat all_floor(view_.rays().grid(), CV_32FC1, cv::Scalar(1.0));
+  const cv::Mat all_floor(view_.rays().grid(), CV_8UC1, cv::Scalar(255.0));
   const auto found = contacts(all_floor);
   ASSERT_EQ(found[80].state, State::kContact);
   EXPECT_NEAR(found[80].depth_m, footDepth(1.6), 0.25);  // by the depth's profile alone, which is flat there
@@ -124,7 +106,7 @@ TEST_F(Floor, AThingOfItsColourIsNone) {
 TEST_F(Floor, APatternOnItIsFloor) {
   view_.floor_colour_2 = {40, 40, 200};
   FloorMask mask{FloorMaskParams{}};
-  const auto found = contacts(shareOf(mask.find(small(), view_.rays())));
+  const auto found = contacts(mask.find(small(), view_.rays()));
   // All that stands there is the wall at 5 m.
   int nearer = 0;
   for (const FloorContact& contact : found)
@@ -134,7 +116,7 @@ TEST_F(Floor, APatternOnItIsFloor) {
 
 TEST_F(Floor, IsHiddenByWhatIsTooNearForItsFootToBeSeen) {
   view_.boards = {{0.7, -0.2, 0.2, 0.6}};
-  const auto found = contacts(shareOf(view_.floor()));
+  const auto found = contacts(view_.floor());
   EXPECT_EQ(found[80].state, State::kHidden);
   EXPECT_EQ(found[3].state, State::kContact);
   EXPECT_EQ(cv::countNonZero(floorOf(found, view_.rays()).col(80)), 0);
@@ -142,7 +124,7 @@ TEST_F(Floor, IsHiddenByWhatIsTooNearForItsFootToBeSeen) {
 
 TEST_F(Floor, ColourAloneDecidesWhileNoScaleIsKnown) {
   view_.boards = {{1.8, -0.3, 0.3, 0.6}};
-  const auto found = findFloorContacts(shareOf(view_.floor()), cv::Mat(), view_.rays(), FloorContactParams{});
+  const auto found = findFloorContacts(view_.floor(), cv::Mat(), view_.rays(), FloorContactParams{});
   EXPECT_EQ(found[80].state, State::kContact);
   const int foot = found[80].row;
   EXPECT_EQ(view_.floor().at<uchar>(foot, 80), 0);
@@ -154,7 +136,7 @@ TEST_F(Floor, FeetAreRememberedWhenTheyLeaveTheView) {
   ContactMemory memory{ContactMemoryParams{}};
   view_.boards = {{1.6, -0.3, 0.3, 0.6}};
   const Stamp stamp = stampFromSeconds(5.0);
-  memory.update(stamp, {1.0, 2.0, M_PI / 2}, view_.rays(), contacts(shareOf(view_.floor())));
+  memory.update(stamp, {1.0, 2.0, M_PI / 2}, view_.rays(), contacts(view_.floor()));
   EXPECT_TRUE(memory.recall(stamp, {1.0, 2.0, M_PI / 2}, view_.rays()).empty());  // the image itself tells
   const Pose2 nearer{1.0, 2.9, M_PI / 2};
   const auto known = memory.recall(stamp + fromSeconds(3.0), nearer, view_.rays());
@@ -166,8 +148,7 @@ TEST_F(Floor, FeetAreRememberedWhenTheyLeaveTheView) {
   EXPECT_TRUE(memory.recall(stamp + fromSeconds(60.0), nearer, view_.rays()).empty());
   // Back where the foot would be in view, nothing stands there any more.
   view_.boards.clear();
-  memory.update(stamp + fromSeconds(4.0), {1.0, 2.0, M_PI / 2}, view_.rays(),
-                contacts(shareOf(view_.floor())));
+  memory.update(stamp + fromSeconds(4.0), {1.0, 2.0, M_PI / 2}, view_.rays(), contacts(view_.floor()));
   EXPECT_TRUE(memory.recall(stamp + fromSeconds(5.0), nearer, view_.rays()).empty());
 }
 
