@@ -137,7 +137,10 @@ void BaseControllerNode::onPath(const nav_msgs::Path& msg) {
     control_.refuse("path", "not finite, or no sound quaternion");
     note("path", false, stamp);
   }
-  if (control_.mode() == Mode::kCamera) request({stamp, stamp, Stamp{}, Stamp{}, stamp});
+  // Where a camera leads, each image gets its command, also while the mission itself turns the robot.
+  const Mode mode = control_.mode();
+  const bool has_camera = obstacle_stamp_ != Stamp{} && mode != Mode::kLidar && mode != Mode::kManual;
+  if (mode == Mode::kCamera || has_camera) request({stamp, stamp, Stamp{}, Stamp{}, stamp});
 }
 
 void BaseControllerNode::onObstacle(const Obstacle& msg) {

@@ -425,6 +425,21 @@ TEST_F(BaseControllerNodeTest, OneCommandForEachTrigger) {
   EXPECT_EQ(graph_->cmd_vel.messages.size(), graph_->stamped.messages.size());
 }
 
+// The simulator's lock-step waits for a command to each image, also while the mission turns the robot.
+TEST_F(BaseControllerNodeTest, OneCommandForEachImageWhileRecovering) {
+  ASSERT_NO_FATAL_FAILURE(driveIn(MissionState::MODE_RECOVERING));
+  graph_->clock.advance(0.01);
+  const std::size_t before = graph_->stamped.messages.size();
+  graph_->sendOdom();
+  graph_->obstacle_msg.header.stamp = graph_->path_msg.header.stamp = graph_->clock.now();
+  graph_->obstacle.publish(graph_->obstacle_msg);
+  graph_->depth_msg.header.stamp = graph_->clock.now();
+  graph_->depth.publish(graph_->depth_msg);
+  graph_->path.publish(graph_->path_msg);
+  ASSERT_TRUE(graph_->stamped.waitForCount(before + 1));
+  EXPECT_EQ(graph_->stamped.messages.back().header.stamp, graph_->clock.now());
+}
+
 TEST_F(BaseControllerNodeTest, ACycleWaitsForTheOdometryItRestsOn) {
   ASSERT_NO_FATAL_FAILURE(driveIn(MissionState::MODE_LIDAR));
   graph_->clock.advance(0.01);
