@@ -210,25 +210,5 @@ TEST_F(DepthGapLook, AStampBeforeTheLastForgetsTheScale) {
   EXPECT_FALSE(look().fit.known);
 }
 
-// Driven from 1.6 m to 0.7 m: the network's word for near things is 30 % too far.
-TEST_F(DepthGapLook, RemembersWhereAThingStoodWhenItsFootLeavesTheView) {
-  for (int i = 0; i <= 9; ++i) {
-    flat_.boards[0].x_m = 1.6 - 0.1 * i;
-    view_.odom_from_base.x_m = 0.1 * i;
-    told_->inverse_depth_pm = flat_.inverseDepth();
-    for (int row = 0; row < 120; ++row) {
-      for (int column = 0; column < 160; ++column) {
-        float& q = told_->inverse_depth_pm.at<float>(row, column);
-        if (q > 1.0F) q /= 1.3F;
-      }
-    }
-    view_.bgr = flat_.image();
-    view_.stamp += fromSeconds(0.4);
-    const DepthFrame frame = gap_->look(view_);
-    ASSERT_TRUE(frame.obstacle.found) << i;
-    EXPECT_NEAR(frame.obstacle.distance_m, flat_.boards[0].x_m, 0.12) << i;
-  }
-}
-
 }  // namespace
 }  // namespace frugal_nav
