@@ -97,6 +97,7 @@ void ImageIntake::onCameraInfo(const sensor_msgs::CameraInfo& msg) {
 
 void ImageIntake::onTimer() {
   time_.checkClock();
+  watchListeners();  // in a nodelet one may have come while the outputs were still being advertised
   process();
   const ros::Time now = ros::Time::now();
   const bool clock_began = last_heard_.isZero();                 // simulated time comes after the nodes
