@@ -192,6 +192,11 @@ class BaseControllerNodeTest : public testing::Test {
     ASSERT_TRUE(waitUntil([this] { return graph_->driving(); })) << "it must drive before it can be stopped";
   }
 
+  /// Whether it drives within two seconds more: topics may lag behind each other.
+  bool drivesAgain() {
+    for (int i = 0; i < 40 && !graph_->driving() && !testing::Test::HasFatalFailure(); ++i) graph_->step();
+    return graph_->driving();
+  }
   /// Whether it reaches a speed within two seconds more.
   bool drivesAt(double v_mps) {
     for (int i = 0; i < 40 && !testing::Test::HasFatalFailure(); ++i) {
@@ -299,7 +304,7 @@ TEST_F(BaseControllerNodeTest, ATargetInAnotherFrameStopsIt) {
   graph_->local_msg.target.position.x = 1.0;
   graph_->local_msg.target.orientation.w = 1.0;
   ASSERT_NO_FATAL_FAILURE(graph_->steps(3));
-  EXPECT_TRUE(graph_->driving());
+  EXPECT_TRUE(drivesAgain());
   graph_->local_msg.header.frame_id = "map";
   ASSERT_NO_FATAL_FAILURE(graph_->steps(2));
   EXPECT_TRUE(graph_->becomesZero());
@@ -322,8 +327,7 @@ TEST_F(BaseControllerNodeTest, AnObstacleOfTheCameraStopsIt) {
   EXPECT_TRUE(graph_->becomesZero());
   graph_->obstacle_msg.point.x = 2.0;
   graph_->odom_twist.linear.x = 0.0;
-  ASSERT_NO_FATAL_FAILURE(graph_->steps(10));
-  EXPECT_TRUE(graph_->driving());
+  EXPECT_TRUE(drivesAgain());
   graph_->obstacle_msg.header.frame_id = "map";
   ASSERT_NO_FATAL_FAILURE(graph_->steps(2));
   EXPECT_TRUE(graph_->becomesZero());
@@ -353,7 +357,7 @@ TEST_F(BaseControllerNodeTest, ATimeJumpStopsItUntilFreshInputsAreIn) {
   EXPECT_TRUE(graph_->standing()) << "no avoidance/command of the new time yet";
   graph_->local_on = true;
   ASSERT_NO_FATAL_FAILURE(graph_->steps(3));
-  EXPECT_TRUE(graph_->driving());
+  EXPECT_TRUE(drivesAgain());
 }
 
 TEST_F(BaseControllerNodeTest, AnObstacleAheadStopsIt) {
