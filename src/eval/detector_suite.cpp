@@ -20,7 +20,6 @@ constexpr double kNearest_m = 2.0;
 constexpr double kMiddle_m = 4.0;
 constexpr double kFarthest_m = 6.0;
 constexpr double kMostlyVisible = 0.5;  // share of a target that must be found
-constexpr double kWhole = 0.85;  // share of one whose distance is asked for: a head fills 0.88 of its hull
 
 struct DetectorOptions {
   DetectorChoice detector;
@@ -184,7 +183,7 @@ class DetectorSuite : public SuiteWithOptions<DetectorOptions> {
                           std::vector<Target>& targets) {
     const HeadSighting sighting = range.locate(detection);
     for (Target& target : targets) {
-      if (target.truth.person != truth.person || truth.visible < kWhole) continue;
+      if (target.truth.person != truth.person || truth.visible < kWholeHead) continue;
       const HeadSighting from_truth = range.locate({0, "", 1.0, truth.box_px});
       if (from_truth.status == HeadSighting::Status::kGood)
         target.true_box_ratios.push_back(from_truth.range_m / truth.distance_m);

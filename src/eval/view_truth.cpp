@@ -12,9 +12,12 @@ namespace frugal_nav::eval {
 namespace {
 
 constexpr int kLanes = 8;
-// Half the height of the head of a person 1.75 m tall, and how it grows with the person (sim/people).
+// Half axes of the skull of a person 1.75 m tall, upright and front to back, and how it grows with the person
+// (sim/people).
 constexpr double kHalfHead_m = 0.118;
+constexpr double kHalfDepth_m = 0.10;
 constexpr double kCommonHeight_m = 1.75;
+constexpr double kLeastRows = 1.0;  // a lower box is none
 
 /// Directions (x, y, 1) of all pixels, row by row.
 std::vector<cv::Point2d> pixelRays(const Viewpoint& view) {
@@ -27,9 +30,19 @@ std::vector<cv::Point2d> pixelRays(const Viewpoint& view) {
   return rays;
 }
 
+/// How much larger a head is than that of a person 1.75 m tall.
+double headScale(const sim::PersonBody& body) { return std::sqrt(body.height_m / kCommonHeight_m); }
+
 /// Height of the skull from chin to crown [m].
-double skullHeight(const sim::PersonBody& body) {
-  return 2.0 * kHalfHead_m * std::sqrt(body.height_m / kCommonHeight_m);
+double skullHeight(const sim::PersonBody& body) { return 2.0 * kHalfHead_m * headScale(body); }
+
+/// The row, counted from the image's upper edge, that shows a point ahead of the camera [px].
+double rowOf(const Eigen::Vector3d& p_optical, const Viewpoint& view) {
+  const std::vector<cv::Point3d> points{{p_optical.x(), p_optical.y(), p_optical.z()}};
+  std::vector<cv::Point2d> pixels;
+  cv::projectPoints(points, cv::Vec3d::zeros(), cv::Vec3d::zeros(), view.camera_matrix, view.distortion,
+                    pixels);
+  return pixels.front().y + 0.5;  // pixel centres have integer coordinates
 }
 
 /// The pixels of one person's head or body and the outline it would have in full view.
@@ -70,9 +83,28 @@ class PersonView {
   }
 
   double headDistance_m() const {
-    const Eigen::Vector3d middle = model_.world_from_model * headVisual().model_from_visual *
-                                   Eigen::Vector3d(0.0, 0.0, 0.5 * (chin_m_ + crown_m_));
-    return (middle - view_.world_from_optical.translation()).head<2>().norm();
+    return (middleOfHead() - view_.world_from_optical.translation()).head<2>().norm();
+  }
+
+  /// Gives the box of a head's pixels the skull's height: that of an ellipsoid, as HeadRange takes it, across
+  /// the line of sight. A head that is partly hidden or outside keeps what is seen of it between these rows.
+  void fitToSkull(PersonBox& box) const {
+    const Eigen::Vector3d middle = optical_from_world_ * middleOfHead();
+    const Eigen::Vector3d up = optical_from_world_.linear() * Eigen::Vector3d::UnitZ();
+    const double down_rad = std::atan2(middle.y(), middle.z());
+    const double elevation_rad = std::atan2(up.z(), -up.y()) - down_rad;
+    const double half_m = headScale(body_) * std::hypot(kHalfHead_m * std::cos(elevation_rad),
+                                                        kHalfDepth_m * std::sin(elevation_rad));
+    const Eigen::Vector3d across(0.0, -std::cos(down_rad), std::sin(down_rad));
+    double top = std::clamp(rowOf(middle + half_m * across, view_), 0.0, 1.0 * view_.size_px.height);
+    double bottom = std::clamp(rowOf(middle - half_m * across, view_), 0.0, 1.0 * view_.size_px.height);
+    if (box.visible < kWholeHead) {
+      top = std::max(top, box.box_px.y);
+      bottom = std::min(bottom, box.box_px.y + box.box_px.height);
+    }
+    if (bottom - top < kLeastRows) return;  // hair alone is seen
+    box.box_px.y = top;
+    box.box_px.height = bottom - top;
   }
 
   /// Area of the outline's convex hull in the image's plane, whatever hides it [px^2]; 0 when part of it is
@@ -108,6 +140,7 @@ class PersonView {
     box.box_px = {region.left, region.top, region.right - region.left, region.bottom - region.top};
     box.visible = std::min(1.0, region.pixels / outline);
     box.distance_m = headDistance_m();
+    if (is_head) fitToSkull(box);
     boxes.push_back(box);
   }
 
@@ -115,6 +148,10 @@ class PersonView {
   bool isSkullHeight(double z_m) const {
     constexpr double kSlack_m = 0.002;  // the crown itself belongs to it
     return z_m >= chin_m_ && z_m <= crown_m_ + kSlack_m;
+  }
+  Eigen::Vector3d middleOfHead() const {  // in the world
+    return model_.world_from_model * headVisual().model_from_visual *
+           Eigen::Vector3d(0.0, 0.0, 0.5 * (chin_m_ + crown_m_));
   }
   const sim::Visual& headVisual() const { return model_.visuals[static_cast<std::size_t>(body_.head)]; }
 

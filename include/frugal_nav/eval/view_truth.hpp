@@ -37,9 +37,14 @@ struct PersonBox {
   double distance_m = 0.0;  ///< of the head's middle, on the ground, from the camera
 };
 
-/// Boxes of everybody of whom a pixel is seen. A head reaches from the skull's crown down to the chin; hair
-/// counts between these heights only, since what stands or hangs out would belie the distance that the
-/// box's height tells.
+/// Share of its hull from which a head counts as seen whole: heads fill 0.83 of it and more.
+constexpr double kWholeHead = 0.85;
+
+/// Boxes of everybody of whom a pixel is seen. A head's box is as wide as what is seen of it between chin and
+/// crown, and as high as its skull, an ellipsoid about the head's middle: each way across the line of sight
+/// sqrt(0.118^2 cos^2 e + 0.10^2 sin^2 e) metres at elevation e, times the root of the person's height over
+/// 1.75 m. So HeadRange tells the distance from it; hair and neck would belie it. A head less visible than
+/// kWholeHead has the part of that height that is seen.
 std::vector<PersonBox> findPeople(const ViewTruth& truth, const sim::Scene& scene,
                                   const std::vector<sim::PersonBody>& people, const Viewpoint& view);
 
