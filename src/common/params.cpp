@@ -152,7 +152,10 @@ std::string toYaml(const std::vector<FieldDescription>& fields) {
     if (*row.field.unit) out << '[' << row.field.unit << "] ";
     out << row.field.reason;
     if (*row.field.choices) out << "; one of " << row.field.choices;
-    if (std::isfinite(row.field.min) || std::isfinite(row.field.max)) {
+    const bool is_number = !std::holds_alternative<bool>(row.value) &&
+                           !std::holds_alternative<std::string>(row.value) &&
+                           !std::holds_alternative<std::vector<std::string>>(row.value);
+    if (is_number && (std::isfinite(row.field.min) || std::isfinite(row.field.max))) {
       out << "; from " << row.field.min << " to " << row.field.max;
     }
     out << '\n';
