@@ -20,9 +20,25 @@ def default_folder():
     return os.path.join(cache, "frugal_nav", "dataset")
 
 
+FLOOR_HEIGHT = 0.015  # [m]; what is lower counts as floor
+
+
+def floor_of(depth_mm, label):
+    """Where a picture shows the floor: (H, W) uint8, 255 or 0, by the height of each pixel's point."""
+    height, width = depth_mm.shape
+    camera = label["camera"]
+    matrix = np.array([[camera["fx"], 0.0, camera["cx"]], [0.0, camera["fy"], camera["cy"]], [0.0, 0.0, 1.0]])
+    pixels = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).reshape(-1, 1, 2).astype(np.float64)
+    rays = cv2.undistortPoints(pixels, matrix, np.array(label["distortion"])).reshape(height, width, 2)
+    pitch = label["pitch_rad"]  # up is positive
+    rise = np.sin(pitch) - np.cos(pitch) * rays[..., 1]  # of a point at depth one, over the camera
+    above_floor = label["camera_height_m"] + 0.001 * depth_mm * rise
+    return np.where((depth_mm > 0) & (np.abs(above_floor) < FLOOR_HEIGHT), 255, 0).astype(np.uint8)
+
+
 class Pictures:
     """All images of a folder in memory, at one size: bgr (N, H, W, 3) uint8, labels, and on request inverse
-    depth (N, H, W) float16 [1/m]."""
+    depth (N, H, W) float16 [1/m] and floor (N, H, W) uint8, 255 where all of a pixel shows it."""
 
     def __init__(self, folder, size, with_depth):
         folder = pathlib.Path(folder)
@@ -36,11 +52,13 @@ class Pictures:
         width, height = size
         self.bgr = np.empty((len(self.names), height, width, 3), np.uint8)
         self.inverse_depth = np.empty((len(self.names), height, width), np.float16) if with_depth else None
+        self.floor = np.empty((len(self.names), height, width), np.uint8) if with_depth else None
         for i, name in enumerate(self.names):
             image = cv2.imread(str(folder / "images" / f"{name}.jpg"))
             self.bgr[i] = image if image.shape[1] == width else cv2.resize(image, size, interpolation=cv2.INTER_AREA)
             if with_depth:
                 depth_mm = cv2.imread(str(folder / "depth" / f"{name}.png"), cv2.IMREAD_UNCHANGED)
+                self.floor[i] = cv2.resize(floor_of(depth_mm, self.labels[i]), size, interpolation=cv2.INTER_AREA)
                 depth_mm = cv2.resize(depth_mm, size, interpolation=cv2.INTER_NEAREST)
                 self.inverse_depth[i] = 1000.0 / np.maximum(depth_mm, 150)
         held_out = np.array([label["seed"] % VALIDATION_EVERY == 0 for label in self.labels])

@@ -7,25 +7,25 @@ namespace {
 
 class Answer : public DepthNetwork {
  public:
-  Answer(std::shared_ptr<cv::Mat> inverse, bool is_metric)
-      : inverse_(std::move(inverse)), is_metric_(is_metric) {}
-  cv::Mat infer(const cv::Mat&) override { return *inverse_; }
+  Answer(std::shared_ptr<DepthPrediction> prediction, bool is_metric)
+      : prediction_(std::move(prediction)), is_metric_(is_metric) {}
+  DepthPrediction infer(const cv::Mat&) override { return *prediction_; }
   bool isMetric() const override { return is_metric_; }
 
  private:
-  std::shared_ptr<cv::Mat> inverse_;
+  std::shared_ptr<DepthPrediction> prediction_;
   bool is_metric_;
 };
 
 }  // namespace
 
 SharedDepthNetwork::SharedDepthNetwork(std::unique_ptr<DepthNetwork> network)
-    : network_(std::move(network)), inverse_(std::make_shared<cv::Mat>()) {}
+    : network_(std::move(network)), prediction_(std::make_shared<DepthPrediction>()) {}
 
-void SharedDepthNetwork::show(const cv::Mat& bgr) { *inverse_ = network_->infer(bgr); }
+void SharedDepthNetwork::show(const cv::Mat& bgr) { *prediction_ = network_->infer(bgr); }
 
 std::unique_ptr<DepthNetwork> SharedDepthNetwork::answer() const {
-  return std::make_unique<Answer>(inverse_, network_->isMetric());
+  return std::make_unique<Answer>(prediction_, network_->isMetric());
 }
 
 std::vector<MetricPoint> metricPoints(const VisualOdometryOutput& output,

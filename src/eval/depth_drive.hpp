@@ -22,7 +22,7 @@ class SharedDepthNetwork {
 
  private:
   std::unique_ptr<DepthNetwork> network_;
-  std::shared_ptr<cv::Mat> inverse_;
+  std::shared_ptr<DepthPrediction> prediction_;
 };
 
 /// Points of an output as DepthGap takes them: seen from the wheels' pose.

@@ -157,7 +157,7 @@ Rows measureRgbd(const RgbdRecording& recording, DepthNetwork& network, const De
     cv::Mat truth_m;
     cv::imread(recording.depths[i], cv::IMREAD_UNCHANGED).convertTo(truth_m, CV_32F, kMillimetre);
     const VisualOdometryOutput visual = odometry.process({stamp, bgr, recording.world_from_camera[i], {}});
-    const cv::Mat inverse = network.infer(bgr);
+    const cv::Mat inverse = network.infer(bgr).inverse;
     const auto atFullSize = [&](const cv::Mat& depth) {
       cv::Mat full;
       cv::resize(depth, full, truth_m.size(), 0.0, 0.0, cv::INTER_LINEAR);

@@ -98,6 +98,28 @@ void dropFlying(const std::vector<FloorContact>& contacts, const ViewRays& rays,
   }
 }
 
+/// At an upright edge some columns lie between what is near and what is far, and are neither. A wall seen at
+/// a flat angle recedes by less from column to column.
+void dropBetween(const DepthScanParams& params, std::vector<ColumnSurface>& surfaces) {
+  constexpr int kReach = 2;
+  const auto step = static_cast<float>(params.between_m);
+  const auto far = static_cast<float>(params.max_range_m);
+  std::vector<float> ranges;
+  for (const ColumnSurface& surface : surfaces) {
+    const bool is_hit = surface.state == ColumnSurface::State::kHit;
+    ranges.push_back(is_hit ? std::min(surface.p_base.norm(), far) : far);
+  }
+  const int count = static_cast<int>(surfaces.size());
+  for (int column = kReach; column + kReach < count; ++column) {
+    const auto k = static_cast<std::size_t>(column);
+    if (surfaces[k].state != ColumnSurface::State::kHit) continue;
+    const float before = ranges[k] - ranges[k - kReach];
+    const float after = ranges[k + kReach] - ranges[k];
+    if (before * after > 0.0F && std::min(std::abs(before), std::abs(after)) > step)
+      surfaces[k].state = ColumnSurface::State::kUnknown;
+  }
+}
+
 struct Sector {
   double left_rad;
   double right_rad;
@@ -180,6 +202,7 @@ std::vector<ColumnSurface> findSurfaces(const cv::Mat& inverse_depth_pm, const c
     surfaces.push_back(surface);
   }
   dropFlying(contacts, rays, cvRound(params.blur_width * rays.grid().width), surfaces);
+  dropBetween(params, surfaces);
   return surfaces;
 }
 

@@ -62,13 +62,12 @@ struct DepthGap::Impl {
     return frame;
   }
 
-  /// The network's answer on the grid.
-  cv::Mat infer(const cv::Mat& bgr) {
-    const cv::Mat map = network->infer(bgr);
-    cv::Mat inverse;
+  cv::Mat toGrid(const cv::Mat& map) const {
+    if (map.empty()) return {};
+    cv::Mat on_grid;
     const bool shrinks = map.cols > rays->grid().width;
-    cv::resize(map, inverse, rays->grid(), 0.0, 0.0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
-    return inverse;
+    cv::resize(map, on_grid, rays->grid(), 0.0, 0.0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
+    return on_grid;
   }
 
   cv::Mat fittedInverse(const cv::Mat& inverse, const MetricFit& fit) const {
@@ -98,16 +97,25 @@ struct DepthGap::Impl {
     frame.fit = filter.update(view.stamp, samples);
   }
 
+  /// What the looks say of the floor: by the network where it tells, else by colour.
+  cv::Mat lookForFloor(const DepthView& view, const cv::Mat& probability, const cv::Mat& expected) {
+    if (!probability.empty() && params.use_network_floor) return floorEvidence(probability, params.contact);
+    cv::Mat small;
+    cv::resize(view.bgr, small, rays->grid(), 0.0, 0.0, cv::INTER_AREA);
+    return floorEvidence(floor.find(small, *rays, likelyFloor(expected)), params.contact);
+  }
+
   /// Where the floor is by the last scale alone; empty while there is none.
   cv::Mat likelyFloor(const cv::Mat& expected) const {
     if (expected.empty()) return {};
     return floorOf(findFloorContacts({}, expected, *rays, params.contact), *rays);
   }
 
-  /// What the colour calls floor, without what stands on it by the last scale.
-  cv::Mat floorBefore(const cv::Mat& colour_mask, const cv::Mat& expected) const {
-    if (expected.empty()) return colour_mask;
-    return colour_mask & floorOf(findFloorContacts(colour_mask, expected, *rays, params.contact), *rays);
+  /// What looks like floor, without what stands on it by the last scale.
+  cv::Mat floorBefore(const cv::Mat& evidence, const cv::Mat& expected) const {
+    const cv::Mat looks = evidence > 0.0;
+    if (expected.empty()) return looks;
+    return looks & floorOf(findFloorContacts(evidence, expected, *rays, params.contact), *rays);
   }
 
   /// Mends the fitted depth by all that is known in metres, and says how sure it then is.
@@ -115,10 +123,12 @@ struct DepthGap::Impl {
                const std::vector<DepthAnchor>& remembered, cv::Mat& sigma) const {
     const double network_sigma = params.correction.network_sigma;
     sigma = cv::Mat(fitted.size(), CV_32FC1, cv::Scalar(network_sigma));
-    if (fitted.empty() || params.method != "fused") return fitted;
+    if (fitted.empty() || params.method == "unscaled") return fitted;
     std::vector<DepthAnchor> anchors = voAnchors(view, *rays, params.vo_scale_sigma);
-    append(contactAnchors(frame.contacts, *rays), anchors);
-    append(remembered, anchors);
+    if (params.method == "fused") {
+      append(contactAnchors(frame.contacts, *rays), anchors);
+      append(remembered, anchors);
+    }
     cv::Mat weight;
     cv::Mat mended = correctDepth(fitted, anchors, params.correction, &weight);
     cv::Mat share;
@@ -195,23 +205,23 @@ struct DepthGap::Impl {
     useRays(view);
     DepthFrame frame;
     frame.stamp = view.stamp;
-    frame.inverse = infer(view.bgr);
-    if (!cv::checkRange(frame.inverse))
+    const DepthPrediction prediction = network->infer(view.bgr);
+    frame.inverse = toGrid(prediction.inverse);
+    const cv::Mat probability = toGrid(prediction.floor);
+    if (!cv::checkRange(frame.inverse) || !cv::checkRange(probability))
       return refuse(view, "the depth network gave numbers that are not finite");
-    return understand(view, std::move(frame));
+    return understand(view, probability, std::move(frame));
   }
 
-  DepthFrame understand(const DepthView& view, DepthFrame frame) {
-    cv::Mat small;
-    cv::resize(view.bgr, small, rays->grid(), 0.0, 0.0, cv::INTER_AREA);
+  DepthFrame understand(const DepthView& view, const cv::Mat& probability, DepthFrame frame) {
     const bool use_geometry = params.method == "fused";
     const std::vector<DepthAnchor> remembered =
         use_geometry ? memory.recall(view.stamp, view.odom_from_base, *rays) : std::vector<DepthAnchor>();
     const cv::Mat expected = use_geometry ? reminded(frame.inverse, filter.fit(), remembered) : cv::Mat();
-    const cv::Mat colour_mask = floor.find(small, *rays, likelyFloor(expected));
-    fitMetres(view, floorBefore(colour_mask, expected), frame);
+    const cv::Mat evidence = lookForFloor(view, probability, expected);
+    fitMetres(view, floorBefore(evidence, expected), frame);
     const cv::Mat fitted = fittedInverse(frame.inverse, frame.fit);
-    frame.contacts = findFloorContacts(colour_mask, use_geometry ? fitted : cv::Mat(), *rays, params.contact);
+    frame.contacts = findFloorContacts(evidence, use_geometry ? fitted : cv::Mat(), *rays, params.contact);
     refineContacts(view.bgr, *rays, params.contact, frame.contacts);
     frame.floor = floorOf(frame.contacts, *rays);
     cv::Mat sigma;

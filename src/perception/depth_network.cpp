@@ -10,23 +10,46 @@ namespace frugal_nav {
 namespace {
 
 constexpr double kNearest_m = 0.05;  // a metric network's smaller depths are no depths
+constexpr const char* kWanted = "a depth network gives one map, 1xHxW or 1x1xHxW";
 
-/// The one map of an output: (1, H, W), (1, 1, H, W) or (H, W). Its memory is the network's.
-cv::Mat mapOf(const std::vector<NetworkOutput>& outputs, const std::string& file) {
-  const std::string wanted = "a depth network gives one map, 1xHxW or 1x1xHxW";
-  if (outputs.size() != 1) {
-    throw ConfigError("network " + file + " has " + std::to_string(outputs.size()) + " outputs: " + wanted +
-                      "; name another file in the parameter model");
-  }
-  const cv::Mat& value = outputs.front().value;
+/// An output as a map: (1, H, W), (1, 1, H, W) or (H, W).
+cv::Mat mapOf(const cv::Mat& value, const std::string& file) {
   bool is_map = value.dims >= 2 && value.dims <= 4 && value.type() == CV_32F;
   for (int i = 0; is_map && i < value.dims - 2; ++i) is_map = value.size[i] == 1;
   is_map = is_map && value.size[value.dims - 1] > 1 && value.size[value.dims - 2] > 1;
   if (!is_map) {
-    throw ConfigError("network " + file + " gives " + shapeText(value) + ": " + wanted +
+    throw ConfigError("network " + file + " gives " + shapeText(value) + ": " + kWanted +
                       "; name another file in the parameter model");
   }
-  return {value.size[value.dims - 2], value.size[value.dims - 1], CV_32F, const_cast<uchar*>(value.data)};
+  const int size[] = {value.size[value.dims - 2], value.size[value.dims - 1]};
+  return value.reshape(1, 2, size);
+}
+
+/// Depth and, where a name is given for it, floor among the outputs.
+DepthPrediction choose(const std::vector<NetworkOutput>& outputs, const std::string& floor_name,
+                       const std::string& file) {
+  DepthPrediction chosen;
+  std::size_t others = 0;
+  std::string names;
+  for (const NetworkOutput& output : outputs) {
+    names += (names.empty() ? "" : ", ") + output.name;
+    if (!floor_name.empty() && output.name == floor_name) {
+      chosen.floor = mapOf(output.value, file);
+    } else {
+      chosen.inverse = output.value;
+      ++others;
+    }
+  }
+  if (!floor_name.empty() && chosen.floor.empty()) {
+    throw ConfigError("network " + file + " has no output " + floor_name + " but " + names +
+                      ": correct or clear the parameter floor_output");
+  }
+  if (others != 1) {
+    throw ConfigError("network " + file + " has " + std::to_string(outputs.size()) + " outputs (" + names +
+                      "): " + kWanted + "; name another file in the parameter model");
+  }
+  chosen.inverse = mapOf(chosen.inverse, file);
+  return chosen;
 }
 
 }  // namespace
@@ -58,12 +81,14 @@ cv::Mat OnnxDepthNetwork::blobOf(const cv::Mat& bgr) const {
   return cv::dnn::blobFromImage(input);
 }
 
-cv::Mat OnnxDepthNetwork::infer(const cv::Mat& bgr) {
-  const cv::Mat map = mapOf(network_.run(blobOf(bgr)), network_.file());
+DepthPrediction OnnxDepthNetwork::infer(const cv::Mat& bgr) {
+  DepthPrediction prediction = choose(network_.run(blobOf(bgr)), params_.floor_output, network_.file());
+  const cv::Mat map = prediction.inverse;
   // max() lets no NaN through, so that it is asked for before.
-  cv::Mat inverse = isMetric() ? cv::Mat(1.0 / cv::max(map, kNearest_m)) : cv::Mat(cv::max(map, 0.0));
-  inverse.setTo(cv::Scalar(std::numeric_limits<double>::quiet_NaN()), map != map);
-  return inverse;
+  prediction.inverse = isMetric() ? cv::Mat(1.0 / cv::max(map, kNearest_m)) : cv::Mat(cv::max(map, 0.0));
+  prediction.inverse.setTo(cv::Scalar(std::numeric_limits<double>::quiet_NaN()), map != map);
+  prediction.floor = prediction.floor.clone();  // outlives the network's next run
+  return prediction;
 }
 
 }  // namespace frugal_nav

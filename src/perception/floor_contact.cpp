@@ -13,7 +13,7 @@ namespace {
 struct Column {
   std::vector<float> floor;            // inverse depth of the floor [1/m]
   std::vector<float> fitted;           // that of the network, fitted; empty when unknown
-  std::vector<uchar> is_floor;         // by colour
+  std::vector<float> evidence;         // for floor, by its looks; empty when unknown
   std::vector<float> height_by_depth;  // of a point at depth one, over the camera
   float camera_height_m = 0.0F;
 
@@ -24,14 +24,14 @@ struct Column {
   }
 };
 
-Column columnOf(int column, const cv::Mat& colour_mask, const cv::Mat& inverse, const ViewRays& rays,
+Column columnOf(int column, const cv::Mat& evidence, const cv::Mat& inverse, const ViewRays& rays,
                 const FloorContactParams& params) {
   Column c;
   c.camera_height_m = static_cast<float>(rays.cameraHeight_m());
   const int first = rays.firstRowBelowHorizon(column, params.horizon_margin_rad);
   for (int row = rays.grid().height - 1; row >= first; --row) {
     c.floor.push_back(rays.inverseFloorDepth(row, column));
-    if (!colour_mask.empty()) c.is_floor.push_back(colour_mask.at<uchar>(row, column));
+    if (!evidence.empty()) c.evidence.push_back(evidence.at<float>(row, column));
     c.height_by_depth.push_back(rays.ray(row, column).z());
     if (!inverse.empty()) c.fitted.push_back(inverse.at<float>(row, column));
   }
@@ -42,44 +42,66 @@ class Line {
  public:
   Line(const Column& column, const FloorContactParams& params) : c_(column), params_(params) {
     const double cap = params.truncation * params.truncation;
-    neutral_ = (c_.fitted.empty() ? 0.0 : 0.5 * cap) + (c_.is_floor.empty() ? 0.0 : 0.5 * params.colour_cost);
+    neutral_ = c_.fitted.empty() ? 0.0 : 0.5 * cap;
   }
 
   /// Cost of a row as floor.
-  double asFloor(std::size_t i) const { return geometry(i, c_.floor[i]) + colour(i, true); }
+  double asFloor(std::size_t i) const { return geometry(i, c_.floor[i]) + looks(i, true); }
   /// Cost of a row as part of a thing at an inverse depth.
   double asThing(std::size_t i, float inverse_depth) const {
-    return geometry(i, inverse_depth) + colour(i, false);
+    return geometry(i, inverse_depth) + looks(i, false);
   }
 
-  /// Cost of the rows from `line` up as a thing that stands there; above its height nothing is said.
+  /// Cost of the rows from `line` up as a thing that stands there; above its height nothing is said. What the
+  /// depth errs by is much the same all over one thing, so that it does not count row by row.
   double above(std::size_t line, float inverse_depth) const {
-    double cost = 0.0;
+    const float scale = scaleAt(line, inverse_depth);
+    constexpr double kRows = 5.0;  // that it counts as
+    double cost = kRows * geometryOf(std::log(scale), params_.geometry_sigma);
+    inverse_depth *= scale;
     for (std::size_t i = line; i < c_.size(); ++i) {
       // At least three rows, else a far thing would need none.
       const bool within =
           i < line + 3 || c_.heightAt(i, inverse_depth) < static_cast<float>(params_.stand_height_m);
-      cost += within ? asThing(i, inverse_depth) : neutral_;
+      cost += within ? asThing(i, inverse_depth) : neutral_ + 0.5 * strength(i);
     }
     return cost;
   }
 
   double edgeBonus(std::size_t line) const {
     const bool is_edge =
-        !c_.is_floor.empty() && line > 0 && c_.is_floor[line - 1] != 0 && c_.is_floor[line] == 0;
+        !c_.evidence.empty() && line > 0 && c_.evidence[line - 1] > 0.0F && c_.evidence[line] <= 0.0F;
     return is_edge ? params_.edge_bonus : 0.0;
   }
 
  private:
-  double colour(std::size_t i, bool expects_floor) const {
-    if (c_.is_floor.empty()) return 0.0;
-    return (c_.is_floor[i] != 0) == expects_floor ? 0.0 : params_.colour_cost;
+  /// How much nearer the lowest rows of a thing are by the fitted depth than it stands.
+  float scaleAt(std::size_t line, float inverse_depth) const {
+    constexpr std::size_t kRows = 7;
+    constexpr float kMost = 1.5F;
+    const std::size_t end = std::min(line + kRows, c_.fitted.size());
+    if (line >= end) return 1.0F;
+    std::vector<float> low(c_.fitted.begin() + static_cast<std::ptrdiff_t>(line),
+                           c_.fitted.begin() + static_cast<std::ptrdiff_t>(end));
+    const auto middle = low.begin() + static_cast<std::ptrdiff_t>(low.size() / 2);
+    std::nth_element(low.begin(), middle, low.end());
+    return std::clamp(*middle / inverse_depth, 1.0F / kMost, kMost);
+  }
+  double geometryOf(float error, double sigma) const {
+    const double r = static_cast<double>(error) / sigma;
+    return std::min(r * r, params_.truncation * params_.truncation);
+  }
+  /// How much the looks say in a row, whatever they say.
+  double strength(std::size_t i) const {
+    return c_.evidence.empty() ? 0.0 : static_cast<double>(std::abs(c_.evidence[i]));
+  }
+  double looks(std::size_t i, bool expects_floor) const {
+    if (c_.evidence.empty()) return 0.0;
+    return (c_.evidence[i] > 0.0F) == expects_floor ? 0.0 : strength(i);
   }
   double geometry(std::size_t i, float expected) const {
     if (c_.fitted.empty()) return 0.0;
-    const double r =
-        (c_.fitted[i] - expected) / (params_.geometry_sigma * static_cast<double>(expected) + 0.02);
-    return std::min(r * r, params_.truncation * params_.truncation);
+    return geometryOf(c_.fitted[i] - expected, params_.geometry_sigma * static_cast<double>(expected) + 0.02);
   }
 
   const Column& c_;
@@ -87,19 +109,20 @@ class Line {
   double neutral_ = 0.0;
 };
 
-/// Inverse depth of what fills the bottom rows, nearer than the floor there; 0 when the floor does. What is
-/// not of the floor's colour there stands nearer than the floor that it hides, whatever the network says.
+/// Inverse depth of what fills the bottom rows, nearer than the floor there; 0 when the floor does. What does
+/// not look like floor there stands nearer than the floor that it hides, whatever the depth says.
 float hiddenDepth(const Column& c) {
   const std::size_t count = std::min<std::size_t>(c.size(), 8);
   const auto end = static_cast<std::ptrdiff_t>(count);
-  const bool is_coloured =
-      !c.is_floor.empty() && 2 * std::count(c.is_floor.begin(), c.is_floor.begin() + end, 0) > end;
+  const auto speaks_against = [](float evidence) { return evidence <= 0.0F; };
+  const bool is_other = !c.evidence.empty() &&
+                        2 * std::count_if(c.evidence.begin(), c.evidence.begin() + end, speaks_against) > end;
   const float least = 1.05F * c.floor.front();
-  if (c.fitted.empty()) return is_coloured ? least : 0.0F;
+  if (c.fitted.empty()) return is_other ? least : 0.0F;
   std::vector<float> bottom(c.fitted.begin(), c.fitted.begin() + end);
   std::nth_element(bottom.begin(), bottom.begin() + end / 2, bottom.end());
   const float median = bottom[count / 2];
-  if (is_coloured) return std::max(median, least);
+  if (is_other) return std::max(median, least);
   return median > c.floor.front() ? median : 0.0F;
 }
 
@@ -176,11 +199,24 @@ Edge strongestEdge(const cv::Mat& bgr, const cv::Rect& band) {
 
 }  // namespace
 
-std::vector<FloorContact> findFloorContacts(const cv::Mat& colour_mask, const cv::Mat& inverse_depth_pm,
+cv::Mat floorEvidence(const cv::Mat& mask_or_probability, const FloorContactParams& params) {
+  cv::Mat evidence;
+  if (mask_or_probability.type() == CV_8UC1) {
+    mask_or_probability.convertTo(evidence, CV_32F, 2.0 * params.colour_cost / 255.0, -params.colour_cost);
+    return evidence;
+  }
+  constexpr double kLeast = 1e-6;
+  const cv::Mat probability = cv::min(cv::max(mask_or_probability, kLeast), 1.0 - kLeast);
+  cv::Mat odds = probability / (1.0 - probability);
+  cv::log(odds, evidence);
+  return params.network_cost * cv::min(cv::max(evidence, -params.network_cap), params.network_cap);
+}
+
+std::vector<FloorContact> findFloorContacts(const cv::Mat& evidence, const cv::Mat& inverse_depth_pm,
                                             const ViewRays& rays, const FloorContactParams& params) {
   std::vector<FloorContact> contacts;
   for (int column = 0; column < rays.grid().width; ++column) {
-    contacts.push_back(contactOf(columnOf(column, colour_mask, inverse_depth_pm, rays, params),
+    contacts.push_back(contactOf(columnOf(column, evidence, inverse_depth_pm, rays, params),
                                  rays.grid().height - 1, params));
   }
   smooth(params.smooth_columns, contacts);

@@ -19,6 +19,7 @@ struct DepthScanParams {
   double max_range_m = 5.0;
   double beam_rad = 0.0175;
   double blur_width = 0.03;
+  double between_m = 0.25;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -29,6 +30,11 @@ struct DepthScanParams {
     visit("beam_rad", beam_rad, Field{"rad", "angle between beams: about a degree", 0.001, 0.2});
     visit("blur_width", blur_width,
           Field{"", "how far the network blurs edges, as a share of the image's width", 0.0, 0.2});
+    visit("between_m", between_m,
+          Field{"m",
+                "a column this much farther than the second on one side and nearer than the second on the "
+                "other lies on an edge and tells nothing",
+                0.05, 10.0});
   }
   std::string check() const {
     return min_range_m < max_range_m ? "" : "min_range_m must be below max_range_m";

@@ -63,6 +63,7 @@ struct DepthGapParams {
   int grid_width_px = 160;
   double vo_scale_sigma = 0.02;
   double min_goal_sigma = 0.05;
+  bool use_network_floor = true;
   FloorMaskParams floor;
   FloorContactParams contact;
   ContactMemoryParams memory;
@@ -87,6 +88,9 @@ struct DepthGapParams {
           Field{"", "error of visual odometry's scale as a share of it: that of the wheels", 0.0, 1.0});
     visit("min_goal_sigma", min_goal_sigma,
           Field{"", "least error of the goal's distance as a share of it: heads differ", 0.0, 1.0});
+    visit("use_network_floor", use_network_floor,
+          Field{"",
+                "whether a network that tells the floor is believed; false: the colour, as for all others"});
     visit("floor", floor);
     visit("contact", contact);
     visit("memory", memory);

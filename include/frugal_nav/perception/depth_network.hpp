@@ -15,6 +15,7 @@ namespace frugal_nav {
 struct DepthNetworkParams {
   std::string model;
   std::string output = "inverse";
+  std::string floor_output;
   int input_width_px = 256;
   int input_height_px = 256;
   std::string color_order = "rgb";
@@ -29,6 +30,8 @@ struct DepthNetworkParams {
     visit("output", output,
           Field{"", "inverse: relative inverse depth, scale and shift unknown; metric: metres", -1, 1,
                 "inverse|metric"});
+    visit("floor_output", floor_output,
+          Field{"", "name of the output that gives the probability of floor; empty: the network has none"});
     visit("input_width_px", input_width_px, Field{"px", "width the network was exported with", 16, 4096});
     visit("input_height_px", input_height_px, Field{"px", "height the network was exported with", 16, 4096});
     visit("color_order", color_order, Field{"", "order of the input's channels", -1, 1, "rgb|bgr"});
@@ -44,15 +47,19 @@ struct DepthNetworkParams {
   std::string check() const;
 };
 
+/// What a depth network tells of an image: maps of its own size that cover the whole image.
+struct DepthPrediction {
+  cv::Mat inverse;  ///< CV_32FC1, relative inverse depth, near is large; not finite where there is no number
+  cv::Mat floor;    ///< CV_32FC1, probability of floor; empty when the network does not tell
+};
+
 /// Depth from one image, up to scale and shift.
 class DepthNetwork {
  public:
   virtual ~DepthNetwork() = default;
 
-  /// Relative inverse depth for an image (CV_8UC3, BGR): CV_32FC1 of the network's own size, covering the
-  /// whole image, near is large. A metric network's is 1 / metres. Not finite where the network gave no
-  /// number.
-  virtual cv::Mat infer(const cv::Mat& bgr) = 0;
+  /// Looks at an image (CV_8UC3, BGR). A metric network's inverse depth is 1 / metres.
+  virtual DepthPrediction infer(const cv::Mat& bgr) = 0;
 
   /// Whether infer() gives 1 / metres.
   virtual bool isMetric() const = 0;
@@ -65,7 +72,7 @@ class OnnxDepthNetwork : public DepthNetwork {
   /// shape shows here: throws ConfigError naming the file, what was found and what to do.
   explicit OnnxDepthNetwork(const DepthNetworkParams& params, const std::string& folder = "");
 
-  cv::Mat infer(const cv::Mat& bgr) override;
+  DepthPrediction infer(const cv::Mat& bgr) override;
   bool isMetric() const override { return params_.output == "metric"; }
 
  private:

@@ -14,6 +14,8 @@ struct FloorContactParams {
   double geometry_sigma = 0.18;
   double truncation = 2.0;
   double colour_cost = 1.2;
+  double network_cost = 1.0;
+  double network_cap = 5.0;
   double edge_bonus = 1.5;
   double stand_height_m = 0.15;
   double horizon_margin_rad = 0.02;
@@ -33,6 +35,14 @@ struct FloorContactParams {
     visit("colour_cost", colour_cost,
           Field{"", "cost of a row whose colour says otherwise; the geometry's is at most truncation squared",
                 0.0, 100.0});
+    visit("network_cost", network_cost,
+          Field{"",
+                "where the network tells the floor: cost of a row, as a share of minus the logarithm of "
+                "what the network gives it",
+                0.0, 100.0});
+    visit("network_cap", network_cap,
+          Field{"", "odds (logarithm) of the network count up to this: it is surer than it should be", 0.1,
+                100.0});
     visit("edge_bonus", edge_bonus,
           Field{"", "rows' worth of preference for a line where the colour changes", 0.0, 100.0});
     visit("stand_height_m", stand_height_m,
@@ -67,12 +77,16 @@ struct FloorContact {
   double sigma_m = 0.0;    ///< standard deviation of depth_m
 };
 
+/// What speaks for floor and against it in each cell, from a mask by colour (CV_8UC1, 255 floor) or from a
+/// probability (CV_32FC1): CV_32FC1, the cost of calling it no floor less that of calling it floor.
+cv::Mat floorEvidence(const cv::Mat& mask_or_probability, const FloorContactParams& params);
+
 /// For each column the row from which on something stands on the floor: below it the fitted inverse depth is
-/// the floor's and the colour too, above it the depth stays that of the line. Colour and geometry are costs
+/// the floor's and the looks too, above it the depth stays that of the line. Looks and geometry are costs
 /// of one sum, so that a floor-coloured thing is none and a patterned floor still is. `inverse_depth_pm`
-/// (CV_32FC1 [1/m], the grid's size) is empty while no scale is known: then the colour decides alone. An
-/// empty `colour_mask` leaves the decision to the geometry.
-std::vector<FloorContact> findFloorContacts(const cv::Mat& colour_mask, const cv::Mat& inverse_depth_pm,
+/// (CV_32FC1 [1/m], the grid's size) is empty while no scale is known: then the looks decide alone. Empty
+/// `evidence` (see floorEvidence()) leaves the decision to the geometry.
+std::vector<FloorContact> findFloorContacts(const cv::Mat& evidence, const cv::Mat& inverse_depth_pm,
                                             const ViewRays& rays, const FloorContactParams& params);
 
 /// Moves the lines to the sharpest change of the image (CV_8UC3) near them and gives depths and sigmas.

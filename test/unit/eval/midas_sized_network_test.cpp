@@ -22,7 +22,7 @@ TEST(MidasSizedNetwork, HasTheCostAndTheShapesOfMidasSmall) {
   OnnxDepthNetwork network(params);
   cv::Mat image(312, 416, CV_8UC3);
   cv::RNG(1).fill(image, cv::RNG::UNIFORM, 0, 256);
-  const cv::Mat inverse = network.infer(image);
+  const cv::Mat inverse = network.infer(image).inverse;
   EXPECT_EQ(inverse.size(), cv::Size(256, 256));
   EXPECT_TRUE(cv::checkRange(inverse));
   double least = -1.0;

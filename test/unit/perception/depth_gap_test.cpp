@@ -210,5 +210,59 @@ TEST_F(DepthGapLook, AStampBeforeTheLastForgetsTheScale) {
   EXPECT_FALSE(look().fit.known);
 }
 
+// A network that tells the floor. What it gives for depth is 30 % too far for near things.
+class DepthGapOfAFloorNetwork : public DepthGapLook {
+ protected:
+  DepthFrame lookAtNear(double probability = 0.98) {
+    const cv::Mat is_floor = flat_.floor();
+    told_->floor = cv::Mat(is_floor.size(), CV_32FC1, cv::Scalar(1.0 - probability));
+    told_->floor.setTo(probability, is_floor);
+    told_->inverse_depth_pm = flat_.inverseDepth();
+    for (int row = 0; row < is_floor.rows; ++row) {
+      for (int column = 0; column < is_floor.cols; ++column) {
+        float& q = told_->inverse_depth_pm.at<float>(row, column);
+        if (is_floor.at<uchar>(row, column) == 0 && q > 0.4F) q /= 1.3F;
+      }
+    }
+    view_.bgr = flat_.image();
+    view_.stamp += fromSeconds(0.4);
+    return gap_->look(view_);
+  }
+};
+
+TEST_F(DepthGapOfAFloorNetwork, AThingOfTheFloorsColourStandsWhereItStands) {
+  flat_.boards[0].colour = flat_.floor_colour;
+  lookAtNear();
+  const DepthFrame frame = lookAtNear();
+  ASSERT_TRUE(frame.obstacle.found);
+  EXPECT_NEAR(frame.obstacle.distance_m, 2.0, 0.08);
+  EXPECT_EQ(cv::countNonZero(frame.floor.col(80) != flat_.floor().col(80)), 0);
+}
+
+TEST_F(DepthGapOfAFloorNetwork, MayBeToldToGoByColour) {
+  DepthGapParams params;
+  params.use_network_floor = false;
+  use(params);
+  const DepthFrame frame = lookAtNear(0.02);  // all wrong
+  EXPECT_GT(cv::countNonZero(frame.floor.col(10) & flat_.floor().col(10)), 25);
+}
+
+TEST_F(DepthGapOfAFloorNetwork, RemembersWhereAThingStoodWhenItsFootLeavesTheView) {
+  for (int i = 0; i <= 9; ++i) {
+    flat_.boards[0].x_m = 1.6 - 0.1 * i;
+    view_.odom_from_base.x_m = 0.1 * i;
+    const DepthFrame frame = lookAtNear();
+    ASSERT_TRUE(frame.obstacle.found) << i;
+    EXPECT_NEAR(frame.obstacle.distance_m, flat_.boards[0].x_m, 0.12) << i;
+  }
+}
+
+TEST_F(DepthGapOfAFloorNetwork, NumbersThatAreNoneAreAFault) {
+  view_.bgr = flat_.image();
+  told_->inverse_depth_pm = flat_.inverseDepth();
+  told_->floor = cv::Mat(120, 160, CV_32FC1, cv::Scalar(std::nan("")));
+  EXPECT_THAT(gap_->look(view_).fault, HasSubstr("not finite"));
+}
+
 }  // namespace
 }  // namespace frugal_nav

@@ -56,9 +56,8 @@ class Surfaces : public testing::Test {
  protected:
   std::vector<ColumnSurface> find() {
     const cv::Mat inverse = view_.inverseDepth();
-    cv::Mat share;
-    view_.floor().convertTo(share, CV_32F, 1.0 / 255.0);
-    contacts_ = findFloorContacts(share, inverse, view_.rays(), FloorContactParams{});
+    contacts_ = findFloorContacts(floorEvidence(view_.floor(), FloorContactParams{}), inverse, view_.rays(),
+                                  FloorContactParams{});
     refineContacts(view_.image(), view_.rays(), FloorContactParams{}, contacts_);
     return surfacesOf(inverse);
   }
@@ -84,6 +83,21 @@ TEST_F(Surfaces, ScanHasTheDistanceInEachBearing) {
   EXPECT_NEAR(rangeAt(scan, 0.2), 1.8 / std::cos(0.2), 0.05);
   EXPECT_TRUE(std::isinf(rangeAt(scan, -0.25)));   // the wall lies beyond the scan's range
   EXPECT_TRUE(std::isnan(scan.ranges_m.front()));  // out of the camera's view
+}
+
+TEST_F(Surfaces, ColumnsBetweenNearAndFarTellNothing) {
+  view_.boards = {{1.8, -0.2, 0.6, 0.6}};
+  find();
+  // The edge of the board, blurred: a column half way to the wall behind it.
+  int edge = 80;
+  while (surfacesOf(view_.inverseDepth())[static_cast<std::size_t>(edge)].depth_m < 2.5F) ++edge;
+  FloorContact& mixed = contacts_[static_cast<std::size_t>(edge)];
+  mixed.depth_m = 3.0;
+  mixed.sigma_m = 0.05;
+  const std::vector<ColumnSurface> surfaces = surfacesOf(view_.inverseDepth());
+  EXPECT_EQ(surfaces[static_cast<std::size_t>(edge)].state, ColumnSurface::State::kUnknown);
+  EXPECT_EQ(surfaces[static_cast<std::size_t>(edge) - 1].state, ColumnSurface::State::kHit);
+  EXPECT_EQ(surfaces[static_cast<std::size_t>(edge) + 1].state, ColumnSurface::State::kHit);
 }
 
 TEST_F(Surfaces, WhatIsHighPassesOverTheRobot) {

@@ -114,16 +114,19 @@ class FlatView {
   ViewRays rays_;
 };
 
-/// A network that gives what it is told to: z of 1 / depth = a z + b.
+/// A network that gives what it is told to: z of 1 / depth = a z + b, and perhaps the floor.
 class ToldNetwork : public DepthNetwork {
  public:
   struct Told {
     cv::Mat inverse_depth_pm;
     double a = 2.0;
     double b = 0.05;
+    cv::Mat floor;  ///< probability; empty for a network that does not tell
   };
   explicit ToldNetwork(std::shared_ptr<Told> told) : told_(std::move(told)) {}
-  cv::Mat infer(const cv::Mat&) override { return (told_->inverse_depth_pm - told_->b) / told_->a; }
+  DepthPrediction infer(const cv::Mat&) override {
+    return {(told_->inverse_depth_pm - told_->b) / told_->a, told_->floor};
+  }
   bool isMetric() const override { return false; }
 
  private:

@@ -26,7 +26,8 @@ class Floor : public testing::Test {
     return image;
   }
   std::vector<FloorContact> contacts(const cv::Mat& mask) const {
-    auto found = findFloorContacts(mask, view_.inverseDepth(), view_.rays(), FloorContactParams{});
+    auto found = findFloorContacts(floorEvidence(mask, FloorContactParams{}), view_.inverseDepth(),
+                                   view_.rays(), FloorContactParams{});
     refineContacts(view_.image(), view_.rays(), FloorContactParams{}, found);
     return found;
   }
@@ -124,7 +125,8 @@ TEST_F(Floor, IsHiddenByWhatIsTooNearForItsFootToBeSeen) {
 
 TEST_F(Floor, ColourAloneDecidesWhileNoScaleIsKnown) {
   view_.boards = {{1.8, -0.3, 0.3, 0.6}};
-  const auto found = findFloorContacts(view_.floor(), cv::Mat(), view_.rays(), FloorContactParams{});
+  const auto found = findFloorContacts(floorEvidence(view_.floor(), FloorContactParams{}), cv::Mat(),
+                                       view_.rays(), FloorContactParams{});
   EXPECT_EQ(found[80].state, State::kContact);
   const int foot = found[80].row;
   EXPECT_EQ(view_.floor().at<uchar>(foot, 80), 0);
