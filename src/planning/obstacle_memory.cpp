@@ -51,9 +51,13 @@ void ObstacleMemory::insert(const LaserScan& scan, const NearestObstacle& obstac
     if (kind != Return::kHit && kind != Return::kTooClose) continue;
     const double range_m = kind == Return::kHit ? scan.ranges_m[i] : scan.range_min_m;
     const Eigen::Vector2d p = endOf(i, range_m);
-    if (range_m <= longest_m && !isPerson(p, robot, p_odom_person) && !isMoving(p)) grid_.mark(p);
+    if (range_m <= longest_m && !isPerson(p, robot, p_odom_person) && !isMoving(p) &&
+        !isKnown(robot, endOf(i, 1.0), range_m))
+      grid_.mark(p);
   }
-  if (obstacle.found && !isPerson(obstacle.p_odom, robot, p_odom_person) && !isMoving(obstacle.p_odom))
+  const Eigen::Vector2d to_nearest = obstacle.p_odom - robot;
+  if (obstacle.found && !isPerson(obstacle.p_odom, robot, p_odom_person) && !isMoving(obstacle.p_odom) &&
+      !isKnown(robot, robot + to_nearest.normalized(), to_nearest.norm()))
     markNearest(obstacle);
   const std::vector<double> clear_m = clearLengths(scan, longest_m);
   for (std::size_t i = 0; i < clear_m.size(); ++i) {
@@ -108,9 +112,22 @@ void ObstacleMemory::follow(const LaserScan& scan, const NearestObstacle& obstac
   moving_.push_back(nearest);
 }
 
+/// Whether a hit so near that no foot is in view is of a thing whose place is known better, from when its
+/// foot was: an obstacle on the same ray, about as far.
+bool ObstacleMemory::isKnown(const Eigen::Vector2d& robot, const Eigen::Vector2d& one_metre_on,
+                             double range_m) const {
+  if (range_m > params_.clear_from_m) return false;
+  const Eigen::Vector2d along = one_metre_on - robot;
+  const double spread_m = params_.near_share * range_m;
+  for (double r = range_m - spread_m; r <= range_m + spread_m; r += 0.5 * grid_.cell_m()) {
+    if (grid_.state(grid_.cellOf(robot + r * along)) == RollingGrid::State::kOccupied) return true;
+  }
+  return false;
+}
+
 void ObstacleMemory::markNearest(const NearestObstacle& obstacle) {
-  grid_.mark(obstacle.p_odom);
   const double sigma_m = std::isfinite(obstacle.sigma_m) ? obstacle.sigma_m : params_.largest_sigma_m;
+  grid_.mark(obstacle.p_odom);
   const double radius_m = std::min(sigma_m, params_.largest_sigma_m);
   const double cell_m = grid_.cell_m();
   for (double y = -radius_m; y <= radius_m; y += cell_m) {

@@ -46,7 +46,7 @@ struct ReplanParams {
 struct CameraPlannerParams {
   ModifiedAStarParams astar;
   ObstacleMemoryParams memory;
-  CostMapParams cost{0.015, 0.55, 6.0, 1.5};
+  CostMapParams cost{0.015, 0.55, 4.0, 5.0};
   ReplanParams replan;
   RightOfWayParams right_of_way;
   double halt_width_factor = 2.0;

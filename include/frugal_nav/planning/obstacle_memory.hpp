@@ -20,6 +20,7 @@ struct ObstacleMemoryParams {
   double sigma_share = 0.03;
   double largest_sigma_m = 0.25;
   double clear_from_m = 1.2;
+  double near_share = 0.35;
   double person_radius_m = 0.40;
   double person_range_share = 0.10;
 
@@ -38,6 +39,11 @@ struct ObstacleMemoryParams {
                 "what has "
                 "left the view below is remembered",
                 0.0, 5.0});
+    visit("near_share", near_share,
+          Field{"",
+                "a hit within clear_from_m is that of a remembered obstacle whose range differs by at most "
+                "this share, and marks nothing: without its foot in view a thing's distance is a guess",
+                0.0, 1.0});
     visit("person_radius_m", person_radius_m,
           Field{"m", "hits this near to the person who is the goal are the person's", 0.0, 2.0});
     visit("person_range_share", person_range_share,
@@ -79,6 +85,7 @@ class ObstacleMemory {
   void follow(const LaserScan& scan, const NearestObstacle& obstacle, const Pose2& odom_from_base,
               const std::optional<Eigen::Vector2d>& p_odom_person);
   std::vector<double> clearLengths(const LaserScan& scan, double longest_m) const;
+  bool isKnown(const Eigen::Vector2d& robot, const Eigen::Vector2d& one_metre_on, double range_m) const;
   void markNearest(const NearestObstacle& obstacle);
 
   ObstacleMemoryParams params_;

@@ -15,18 +15,18 @@
 namespace frugal_nav {
 
 struct ObstacleTrackerParams {
-  double max_range_m = 4.5;
+  double max_range_m = 3.5;
   double largest_m = 0.9;
   double jump_m = 0.35;
-  double sigma_m = 0.04;
-  double range_sigma_share = 0.04;
-  double bearing_sigma_rad = 0.02;
+  double sigma_m = 0.06;
+  double range_sigma_share = 0.06;
+  double bearing_sigma_rad = 0.03;
   double start_speed_mps = 0.6;
   double acceleration_mps2 = 0.25;
-  double fastest_mps = 1.6;
+  double fastest_mps = 1.3;
   double slowest_mps = 0.18;
   double significance = 2.5;
-  int least_sightings = 3;
+  int least_sightings = 4;
   double least_way_m = 0.25;
   double out_of_view_s = 2.5;
   double unseen_s = 0.9;

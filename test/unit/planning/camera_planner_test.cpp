@@ -173,7 +173,9 @@ TEST_F(CameraPlannerTest, WithoutAGapDrivesOnlyWhereItHasSeen) {
 }
 
 TEST_F(CameraPlannerTest, LetsAWalkerPassAndGoesOnBehindHim) {
-  CameraPlanner planner(CameraPlannerParams{}, kBody);
+  CameraPlannerParams params;
+  params.right_of_way.cruise_mps = 0.5;  // slower it would come when he has long passed
+  CameraPlanner planner(params, kBody);
   planner.setGoal(Pose2{4.0, 0.0, 0.0});
   const FlatWorld empty = world_;
   bool yielded = false;

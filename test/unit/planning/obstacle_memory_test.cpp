@@ -94,6 +94,18 @@ TEST(ObstacleMemory, TakesNothingAwayWhereTheFloorIsBelowTheView) {
   EXPECT_EQ(stateAt(memory, 0.6, 0.01), State::kFree);       // but what was never seen counts as free
 }
 
+TEST(ObstacleMemory, AGuessFromNearbyDoesNotMoveWhatWasSeenWell) {
+  ObstacleMemory memory(ObstacleMemoryParams{});
+  memory.insert(withObject(evenScan(1.0, kNothing), {2.02, 0.0}, 0.2), nothingNear(), {}, std::nullopt);
+  const Pose2 near{1.2, 0.0, 0.0};  // 0.8 m before it: the depth says 0.65 m
+  memory.insert(withObject(evenScan(2.0, kNothing), {0.65, 0.0}, 0.2), nothingNear(), near, std::nullopt);
+  EXPECT_EQ(stateAt(memory, 2.01, 0.01), State::kOccupied);
+  EXPECT_EQ(stateAt(memory, 1.86, 0.01), State::kFree);
+  // A leg that steps in between is none of it.
+  memory.insert(withObject(evenScan(3.0, kNothing), {0.42, 0.0}, 0.1), nothingNear(), near, std::nullopt);
+  EXPECT_EQ(stateAt(memory, 1.63, 0.01), State::kOccupied);
+}
+
 TEST(ObstacleMemory, NeitherMarksNorClearsWhereTheScanKnowsNothing) {
   ObstacleMemory memory(ObstacleMemoryParams{});
   memory.insert(withObject(evenScan(1.0, kNothing), {2.02, 0.0}, 0.2), nothingNear(), {}, std::nullopt);
