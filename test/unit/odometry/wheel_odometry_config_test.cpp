@@ -1,7 +1,7 @@
-#include <set>
 #include <string>
 
 #include <gtest/gtest.h>
+#include <support/param_files.hpp>
 
 #include <frugal_nav/robot/param_file.hpp>
 #include <frugal_nav/ros/wheel_odometry_params.hpp>
@@ -9,17 +9,8 @@
 namespace frugal_nav {
 namespace {
 
-const std::string kFile = std::string(FRUGAL_NAV_SOURCE_DIR) + "/config/wheel_odometry.yaml";
-
-// The file documents every parameter and changes none: whoever reads it knows the defaults.
 TEST(WheelOdometryNodeParams, TheFileHoldsEveryParameterWithItsDefault) {
-  const WheelOdometryNodeParams loaded = loadParamFile<WheelOdometryNodeParams>(kFile);
-  EXPECT_EQ(toYaml(loaded), toYaml(WheelOdometryNodeParams{}));
-  std::set<std::string> wanted;
-  for (const FieldDescription& field : describe(WheelOdometryNodeParams{})) wanted.insert(field.name);
-  std::set<std::string> found;
-  for (const auto& [key, value] : readParamFile(kFile)) found.insert(key);
-  EXPECT_EQ(found, wanted);
+  test::expectDefaults<WheelOdometryNodeParams>("wheel_odometry.yaml");
 }
 
 TEST(WheelOdometryNodeParams, TheSimulatedRobotsFileHoldsItsCalibrationAlone) {
