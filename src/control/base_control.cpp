@@ -114,6 +114,8 @@ BaseCommand BaseControl::cycle(Stamp now) {
 }
 
 BaseCommand BaseControl::decide(Stamp now) {
+  if (watchdog_.last("mission/state") == Stamp{} && refusal("mission/state").empty())
+    return stopped(BaseCommand::Reason::kMissing, "mission has no odometry yet");
   if (const auto fault = faultOf("mission/state", now)) return *fault;
   if (mission_.mode == Mode::kIdle) return stopped(BaseCommand::Reason::kIdle, mission_.reason);
   for (const std::string& input : requiredInputs()) {

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <geometry_msgs/Twist.h>
 
 #include <frugal_nav/ros/base_controller_node.hpp>
@@ -18,6 +20,16 @@ BaseGeometry loadGeometry(const ros::NodeHandle& pnh, const std::string& base_fr
   return {robot.footprint, robot.drive.separation_m};
 }
 
+// Simulated time comes in messages of its own, which TCP gathers for 40 ms. A simulator that runs faster than
+// real time, or catches up after a wait for a command, is so far ahead of its clock by some tenths of a
+// second.
+constexpr double kClockLag_s = 1.0;
+
+BaseControlParams forClock(BaseControlParams params) {
+  if (ros::Time::isSimTime()) params.future_tolerance_s = std::max(params.future_tolerance_s, kClockLag_s);
+  return params;
+}
+
 const char* nameOf(BaseCommand::Source source) {
   static constexpr const char* kNames[] = {"none", "avoidance/command", "path", "mission/command",
                                            "cmd_vel_in"};
@@ -32,7 +44,7 @@ bool isFault(BaseCommand::Reason reason) {
 
 BaseControllerNode::BaseControllerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
     : params_(loadParams(pnh)),
-      control_(params_.control, loadGeometry(pnh, params_.base_frame)),
+      control_(forClock(params_.control), loadGeometry(pnh, params_.base_frame)),
       diagnostics_(nh, pnh),
       sensors_(params_.base_frame) {
   cmd_vel_pub_ = nh.advertise<geometry_msgs::Twist>("cmd_vel", 10);
@@ -55,8 +67,9 @@ BaseControllerNode::BaseControllerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   }
   timer_ =
       nh.createTimer(ros::Duration(1.0 / params_.rate_hz), [this](const ros::TimerEvent&) { onTimer(); });
-  tuning_ = tuneLive<BaseControllerNodeParams>(
-      pnh, params_, [this](const BaseControllerNodeParams& params) { control_.setParams(params.control); });
+  tuning_ = tuneLive<BaseControllerNodeParams>(pnh, params_, [this](const BaseControllerNodeParams& params) {
+    control_.setParams(forClock(params.control));
+  });
 }
 
 BaseControllerNode::~BaseControllerNode() { stop(); }
@@ -215,7 +228,13 @@ void BaseControllerNode::cycleWhenReady() {
 
 void BaseControllerNode::cycle() {
   last_cycle_ = ros::Time::now();
-  const BaseCommand command = control_.cycle(toStamp(last_cycle_));
+  BaseCommand command;
+  if (last_cycle_.isZero()) {  // simulated time that has not begun: nothing can be said of any input's age
+    command.reason = BaseCommand::Reason::kMissing;
+    command.text = "no time on /clock yet";
+  } else {
+    command = control_.cycle(toStamp(last_cycle_));
+  }
   publish(command.velocity, stamp_);
   report(command);
   last_ = command;
@@ -236,7 +255,11 @@ void BaseControllerNode::report(const BaseCommand& command) {
     reported_jumps_ = control_.timeJumps();
   }
   const bool fault = isFault(command.reason);
-  if (fault && last_.reason != command.reason) ROS_WARN("the base stands: %s", command.text.c_str());
+  if (fault && last_.reason != command.reason) {
+    const bool waits = command.reason == BaseCommand::Reason::kMissing;
+    ROS_LOG(waits ? ros::console::levels::Info : ros::console::levels::Warn, ROSCONSOLE_DEFAULT_NAME,
+            "the base %s: %s", waits ? "waits" : "stands", command.text.c_str());
+  }
   if (!fault && isFault(last_.reason)) ROS_INFO("the base is free to move again");
   diagnostics_.status(fault ? diagnostic_msgs::DiagnosticStatus::WARN : diagnostic_msgs::DiagnosticStatus::OK,
                       command.text.empty() ? "follows " + std::string(nameOf(command.source)) : command.text);

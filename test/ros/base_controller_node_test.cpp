@@ -80,9 +80,10 @@ class Graph {
     depth_msg.ranges.assign(58, std::numeric_limits<float>::infinity());
   }
 
-  void sendOdom() {
+  void sendOdom() { sendOdom(clock.now()); }
+  void sendOdom(ros::Time stamp) {
     nav_msgs::Odometry msg;
-    msg.header.stamp = clock.now();
+    msg.header.stamp = stamp;
     msg.header.frame_id = "odom";
     msg.child_frame_id = "base_link";
     msg.pose.pose.orientation.w = 1.0;
@@ -227,6 +228,18 @@ TEST_F(BaseControllerNodeTest, EachModeFollowsItsSource) {
   graph_->state_msg.mode = MissionState::MODE_IDLE;
   ASSERT_NO_FATAL_FAILURE(graph_->step());
   EXPECT_TRUE(graph_->becomesZero());
+}
+
+TEST_F(BaseControllerNodeTest, DrivesOnWhileSimulatedTimeLagsBehindTheStamps) {
+  ASSERT_NO_FATAL_FAILURE(driveIn(MissionState::MODE_LIDAR));
+  const ros::Time ahead = graph_->clock.now() + ros::Duration(0.3);
+  graph_->scan_msg.header.stamp = graph_->state_msg.header.stamp = graph_->local_msg.header.stamp = ahead;
+  graph_->scan.publish(graph_->scan_msg);
+  graph_->sendOdom(ahead);
+  graph_->state.publish(graph_->state_msg);
+  graph_->local.publish(graph_->local_msg);
+  EXPECT_TRUE(waitUntil([&] { return graph_->stamped.messages.back().header.stamp >= ahead; }));
+  EXPECT_TRUE(graph_->driving());
 }
 
 struct Stopped {

@@ -100,8 +100,7 @@ struct BaseControlParams {
     visit("future_tolerance_s", future_tolerance_s,
           Field{"s",
                 "an input stamped later than this after now is a fault: clocks differ. It lengthens every "
-                "time-out: "
-                "by one cycle",
+                "time-out: by one cycle. In simulated time, whose messages lag, it is 1 s at least",
                 0.0, 10.0});
     visit("scan", scan);
     visit("timeouts", timeouts);

@@ -465,6 +465,14 @@ TEST(BaseControl, AStampFromTheFutureBeyondTheToleranceStopsIt) {
   EXPECT_EQ(bench.control.cycle(bench.now).reason, Reason::kRefused);
 }
 
+TEST(BaseControl, WaitsForAMissionThatHasHadNoOdometry) {
+  BaseControl control({}, kGeometry);
+  control.setMission({});  // without a stamp
+  const BaseCommand command = control.cycle(stampFromSeconds(5.0));
+  EXPECT_TRUE(command.velocity.isZero());
+  EXPECT_EQ(command.reason, Reason::kMissing);
+}
+
 TEST(BaseControl, TheClockMayLagBehindTheStamps) {
   Bench bench(Mode::kLidar);
   bench.run(1.0);
