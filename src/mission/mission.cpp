@@ -43,6 +43,7 @@ Mission::Mission(const MissionParams& params)
       progress_(params.progress),
       recovery_(params.recovery),
       observed_(params.observed),
+      search_(params.search),
       alignment_(params.alignment) {
   validate(params, "mission");
 }
@@ -54,6 +55,8 @@ void Mission::setParams(const MissionParams& params) {
   progress_.setParams(params.progress);
   recovery_.setParams(params.recovery);
   observed_.setParams(params.observed);
+  search_.setParams(params.search);
+  if (!params.follow_observed || !params.search.enabled) stopSearching();
   alignment_ = Alignment(params.alignment);
 }
 
@@ -79,6 +82,7 @@ std::uint32_t Mission::refuseGoal(const std::string& reason, Stamp stamp) {
 
 void Mission::cancel(const std::string& reason) {
   follows_ = false;
+  stopSearching();
   if (active()) finish(MissionPhase::kCancelled, reason);
 }
 
@@ -143,7 +147,11 @@ MissionOutput Mission::update(const Odometry& odometry) {
     case Activity::kRecovering:
       command = recover(odometry);
       break;
+    case Activity::kSearching:
+      command = search(odometry);
+      break;
     case Activity::kNone:
+      waitForPerson(odometry);
       break;
   }
   MissionOutput output{status_, std::nullopt};
@@ -162,6 +170,9 @@ bool Mission::checkOdometry(Stamp now) {
 
 void Mission::resetTime() {
   if (active()) finish(MissionPhase::kAborted, "time jumped back");
+  stopSearching();
+  searches_ = true;
+  alone_since_.reset();
   p_done_person_.reset();
   status_.stamp = Stamp{};
   path_.reset();
@@ -263,11 +274,9 @@ bool Mission::abortedByInputs(Stamp now) {
 }
 
 std::string Mission::stoppedReason(Stamp now) const {
-  const auto stale = [&](const std::optional<Stamp>& last) {
-    return !last || toSeconds(now - *last) > params_.input_timeout_s;
-  };
-  if (isCamera()) return stale(last_path_) ? "planner stopped: no path from it" : "";
-  if (stale(last_local_)) return "avoidance stopped: no command from it";
+  if (!hearsLocalPlanner(now))
+    return isCamera() ? "planner stopped: no path from it" : "avoidance stopped: no command from it";
+  if (isCamera()) return "";
   if (local_->status == MotionCommand::Status::kStopped) return "avoidance stopped: " + local_->reason;
   const bool had_time = toSeconds(local_->stamp - goal_start_) > params_.input_timeout_s;
   if (local_->status == MotionCommand::Status::kIdle && had_time)
@@ -336,6 +345,7 @@ void Mission::beginGoal(Stamp stamp) {
   if (active()) finish(MissionPhase::kCancelled, "preempted by a new goal");
   ++status_.goal_number;
   following_ = false;
+  alone_since_.reset();
   goal_start_ = activity_start_ = stamp;
   started_ = false;
   near_goal_ = false;
@@ -350,11 +360,14 @@ void Mission::enter(Activity activity, Stamp stamp, const std::string& reason) {
   activity_ = activity;
   activity_start_ = stamp;
   status_.reason = reason;
-  status_.phase = activity == Activity::kRecovering ? MissionPhase::kRecovering : MissionPhase::kDriving;
+  status_.phase = activity == Activity::kRecovering  ? MissionPhase::kRecovering
+                  : activity == Activity::kSearching ? MissionPhase::kIdle
+                                                     : MissionPhase::kDriving;
   switch (activity) {
     case Activity::kDriving:
       status_.mode = isCamera() ? Mode::kCamera : Mode::kLidar;
       break;
+    case Activity::kSearching:
     case Activity::kFacing:
     case Activity::kLost:
     case Activity::kSettling:

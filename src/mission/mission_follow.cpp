@@ -2,7 +2,7 @@
 
 #include <frugal_nav/mission/mission.hpp>
 
-// A person as the goal: taken from goal/observed, faced, and waited for where it is lost.
+// A person as the goal: looked for, taken from goal/observed, faced, and waited for where it is lost.
 
 namespace frugal_nav {
 
@@ -21,13 +21,49 @@ void Mission::setObservedGoal(const Eigen::Vector2d& p_odom_person, Stamp stamp)
 }
 
 void Mission::resumeFollowing() {
-  follows_ = true;
+  follows_ = searches_ = true;
   p_done_person_.reset();
+}
+
+/// Turns to look for a person when none has been seen for a while. Only while images come in: blind it would
+/// turn for nothing.
+void Mission::waitForPerson(const Odometry& odometry) {
+  const bool wanted = params_.follow_observed && params_.search.enabled && follows_ && searches_ &&
+                      status_.mode == Mode::kIdle && hearsLocalPlanner(odometry.stamp);
+  if (!wanted) {
+    alone_since_.reset();
+    return;
+  }
+  if (!alone_since_) alone_since_ = odometry.stamp;
+  if (toSeconds(odometry.stamp - *alone_since_) < params_.search.after_s) return;
+  searches_ = false;
+  search_.start(odometry);
+  enter(Activity::kSearching, odometry.stamp, "turning to look for a person");
+}
+
+Twist2 Mission::search(const Odometry& odometry) {
+  const Twist2 command = search_.update(odometry);
+  if (search_.state() == Search::State::kTurning) {
+    return hearsLocalPlanner(odometry.stamp) ? command : Twist2{};
+  }
+  const bool done = search_.state() == Search::State::kDone;
+  beginGoal(odometry.stamp);
+  finish(MissionPhase::kAborted, done ? "no person found: none was seen in a full turn"
+                                      : "no person found: none was seen, and the turn is held up");
+  return {};
+}
+
+void Mission::stopSearching() {
+  if (activity_ != Activity::kSearching) return;
+  activity_ = Activity::kNone;
+  status_.mode = Mode::kIdle;
+  status_.reason.clear();
 }
 
 void Mission::startFollowing(const Eigen::Vector2d& p_odom_person, Stamp stamp) {
   beginGoal(stamp);
   following_ = true;
+  searches_ = false;
   p_done_person_.reset();
   observed_.start(p_odom_person, odom_from_base_.position(), stamp);
   odom_from_goal_ = observed_.standOff();
@@ -70,6 +106,12 @@ Twist2 Mission::waitForGoal(const Odometry& odometry) {
     finish(MissionPhase::kAborted, "goal lost: the person was not seen again");
   }
   return {};
+}
+
+/// Whether what drives the robot is at work: with or without a goal it answers each image or scan.
+bool Mission::hearsLocalPlanner(Stamp now) const {
+  const std::optional<Stamp>& last = isCamera() ? last_path_ : last_local_;
+  return last && toSeconds(now - *last) <= params_.input_timeout_s;
 }
 
 /// Whether the base is told to move now.

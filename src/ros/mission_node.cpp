@@ -270,6 +270,9 @@ void MissionNode::reportEnds() {
 
 void MissionNode::publishStatus() {
   MissionState state = toRos(mission_.status());
+  const bool moves = mission_.status().mode != Mode::kIdle && mission_.status().mode != Mode::kManual;
+  if (moves && state.reason != told_reason_) ROS_INFO("%s", state.reason.c_str());
+  told_reason_ = state.reason;
   state.header.frame_id = params_.odom_frame;
   state_pub_.publish(state);
   const bool aborted = mission_.status().phase == MissionPhase::kAborted;

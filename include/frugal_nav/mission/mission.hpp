@@ -15,6 +15,7 @@
 #include <frugal_nav/mission/observed_goal.hpp>
 #include <frugal_nav/mission/progress_monitor.hpp>
 #include <frugal_nav/mission/recovery.hpp>
+#include <frugal_nav/mission/search.hpp>
 
 namespace frugal_nav {
 
@@ -40,6 +41,7 @@ struct MissionParams {
   double odom_timeout_s = 1.0;
   double goal_timeout_s = 0.0;
   ObservedGoalParams observed;
+  SearchParams search;
   AlignmentParams alignment;
   ProgressParams progress;
   RecoveryParams recovery;
@@ -78,7 +80,7 @@ class Mission {
   /// point before it; later ones move it, under the same number. Other goals come before it; after one of
   /// them, or when cancelled, it takes resumeFollowing() to follow again.
   void setObservedGoal(const Eigen::Vector2d& p_odom_person, Stamp stamp);
-  /// From now on the next person seen is followed.
+  /// From now on the next person seen is followed, and looked for if `search` says so.
   void resumeFollowing();
   /// Ends the present goal and counts one that cannot be driven to, for example "goal in an unknown frame".
   std::uint32_t refuseGoal(const std::string& reason, Stamp stamp);
@@ -105,7 +107,8 @@ class Mission {
   std::vector<MissionEvent> takeEvents();
   /// The present status; its stamp is the last odometry's, zero when there is none of the present time.
   const MissionStatus& status() const { return status_; }
-  bool active() const { return activity_ != Activity::kNone; }
+  /// Whether there is a goal to drive to; not while it looks for one.
+  bool active() const { return activity_ != Activity::kNone && activity_ != Activity::kSearching; }
   const Pose2& goal() const { return odom_from_goal_; }
   /// How often the goal has been set or has moved: whoever passes it on looks here.
   std::uint32_t goalChanges() const { return goal_changes_; }
@@ -116,7 +119,7 @@ class Mission {
   int recoveries() const { return recoveries_; }
 
  private:
-  enum class Activity { kNone, kFacing, kDriving, kLost, kSettling, kAligning, kRecovering };
+  enum class Activity { kNone, kSearching, kFacing, kDriving, kLost, kSettling, kAligning, kRecovering };
   struct PathReport {
     Stamp stamp{};
     bool found = false;
@@ -125,6 +128,9 @@ class Mission {
     std::string reason;
   };
 
+  void waitForPerson(const Odometry& odometry);
+  Twist2 search(const Odometry& odometry);
+  void stopSearching();
   Twist2 face(const Odometry& odometry);
   Twist2 drive(const Odometry& odometry);
   Twist2 waitForGoal(const Odometry& odometry);
@@ -139,6 +145,7 @@ class Mission {
   bool arrived(const Odometry& odometry);
   bool standing(const Odometry& odometry) const;
   bool abortedByInputs(Stamp now);
+  bool hearsLocalPlanner(Stamp now) const;
   std::string stoppedReason(Stamp now) const;
   std::string obstruction(Stamp now);
   void watchProgress(const Odometry& odometry);
@@ -152,6 +159,7 @@ class Mission {
   ProgressMonitor progress_;
   Recovery recovery_;
   ObservedGoal observed_;
+  Search search_;
   Alignment alignment_;
   MissionStatus status_;
   std::vector<MissionEvent> events_;
@@ -162,6 +170,8 @@ class Mission {
   std::uint32_t goal_changes_ = 0;
   bool follows_ = true;                           ///< the next person seen is taken for the goal
   bool following_ = false;                        ///< the present goal is a person
+  bool searches_ = true;                          ///< nobody has been seen or looked for yet
+  std::optional<Stamp> alone_since_;              ///< sees nobody, though it could
   std::optional<Eigen::Vector2d> p_done_person_;  ///< where the last one was when its goal ended
   Pose2 odom_from_base_;                          ///< of the last odometry
   bool with_yaw_ = true;
@@ -231,6 +241,7 @@ void MissionParams::fields(Visitor&& visit) {
               0.05, 60.0});
   visit("goal_timeout_s", goal_timeout_s, Field{"s", "gives up after this long; 0 never does", 0.0, 86400.0});
   visit("observed", observed);
+  visit("search", search);
   visit("alignment", alignment);
   visit("progress", progress);
   visit("recovery", recovery);

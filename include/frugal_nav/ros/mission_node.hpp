@@ -89,6 +89,7 @@ class MissionNode {
   actionlib::ActionServer<move_base_msgs::MoveBaseAction> server_;
   std::optional<GoalHandle> goal_handle_;  ///< of the goal on its way
   std::string path_reason_;                ///< of the planner, for an empty path
+  std::string told_reason_;                ///< of the state, when it was last published
   ros::Time last_feedback_;
   ros::Time last_now_;
   std::uint32_t goal_changes_ = 0;  ///< of the mission when its goal was last published
