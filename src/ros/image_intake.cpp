@@ -40,9 +40,8 @@ ImageIntake::ImageIntake(ros::NodeHandle nh, const ImageIntakeParams& params, No
 
 // Called from the node's own queue, as all else here.
 void ImageIntake::watchListeners() {
-  const bool wanted = std::any_of(outputs_.begin(), outputs_.end(), [](const ros::Publisher& output) {
-    return output.getNumSubscribers() > 0;
-  });
+  const auto isHeard = [](const ros::Publisher& output) { return output.getNumSubscribers() > 0; };
+  const bool wanted = always_ || std::any_of(outputs_.begin(), outputs_.end(), isHeard);
   if (wanted == static_cast<bool>(info_sub_)) return;
   if (!wanted) {
     image_sub_.shutdown();

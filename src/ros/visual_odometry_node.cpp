@@ -28,6 +28,7 @@ VisualOdometryNode::VisualOdometryNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   status_pub_ = intake_->advertise<VoStatus>("vo/status", 5);
   obstacle_pub_ = intake_->advertise<Obstacle>("vo/obstacle", 5);
   map_pub_ = intake_->advertise<sensor_msgs::PointCloud2>("vo/map", 1);
+  if (params_.publish_tf) intake_->stayAwake();
   if (params_.use_region) {
     diagnostics_.input("obstacle/nearest");
     nearest_sub_ = nh.subscribe("obstacle/nearest", 5, &VisualOdometryNode::onObstacle, this,
@@ -93,9 +94,24 @@ void VisualOdometryNode::publish(const CameraFrame& frame, const VisualOdometryO
   const IntakeParams& frames = params_.intake.base;
   const Eigen::Isometry3d odom_from_camera =
       toIsometry(frame.odometry.odom_from_base) * frame.base_from_optical;
-  odom_pub_.publish(toRos(output, last_ ? &*last_ : nullptr, frames.odom_frame, frames.base_frame));
+  const nav_msgs::Odometry odometry =
+      toRos(output, last_ ? &*last_ : nullptr, frames.odom_frame, frames.base_frame);
+  odom_pub_.publish(odometry);
+  if (params_.publish_tf) broadcast(odometry);
   status_pub_.publish(toRos(output.status, output.stamp, frame.frame));
   points_pub_.publish(pointsMessage(output, odom_from_camera, frames.odom_frame));
+}
+
+void VisualOdometryNode::broadcast(const nav_msgs::Odometry& odometry) {
+  geometry_msgs::TransformStamped transform;
+  transform.header = odometry.header;
+  transform.child_frame_id = odometry.child_frame_id;
+  const geometry_msgs::Pose& pose = odometry.pose.pose;
+  transform.transform.translation.x = pose.position.x;
+  transform.transform.translation.y = pose.position.y;
+  transform.transform.translation.z = pose.position.z;
+  transform.transform.rotation = pose.orientation;
+  broadcaster_.sendTransform(transform);
 }
 
 /// An image of no use still has its answer: no points, and the reason.

@@ -5,6 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
 #include <unit/visual_odometry/painted_room.hpp>
 
 #include <frugal_nav/Obstacle.h>
@@ -79,6 +81,20 @@ TEST_F(VisualOdometryNodeTest, EachImageHasOneAnswerOfEachKind) {
   EXPECT_NEAR(odometry->pose.pose.position.x, graph_.pose.x_m, 0.03);
   EXPECT_NEAR(odometry->twist.twist.linear.x, 0.3, 0.05);
   EXPECT_GT(odometry->pose.covariance[0], 0.0);
+}
+
+TEST_F(VisualOdometryNodeTest, BroadcastsItsPoseWhenAskedTo) {  // publish_tf of the .test file
+  tf2_ros::Buffer buffer;
+  const tf2_ros::TransformListener listener(buffer);
+  ASSERT_TRUE(driveUntilTracking());
+  const auto known = [&] { return buffer.canTransform("odom", "base_link", graph_.clock.now()); };
+  for (int i = 0; i < 20 && !known(); ++i) ASSERT_NE(step(), nullptr);  // the listener connects meanwhile
+  ASSERT_TRUE(test::waitUntil(known));
+  const nav_msgs::Odometry* odometry = test::answerAt(odometry_, graph_.clock.now());
+  ASSERT_NE(odometry, nullptr);
+  const auto transform = buffer.lookupTransform("odom", "base_link", graph_.clock.now()).transform;
+  EXPECT_EQ(transform.translation.x, odometry->pose.pose.position.x);
+  EXPECT_EQ(transform.rotation.z, odometry->pose.pose.orientation.z);
 }
 
 TEST_F(VisualOdometryNodeTest, PointsAreWhereTheirPixelsLook) {

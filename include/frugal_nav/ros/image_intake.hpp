@@ -71,6 +71,12 @@ class ImageIntake {
     return outputs_.back();
   }
 
+  /// Takes images from now on, whether someone listens or not.
+  void stayAwake() {
+    always_ = true;
+    watchListeners();
+  }
+
   /// Hands on every image that can be; to be called when what `ready` waits for has come.
   void process();
   /// Checks the stamp of a further input of the node: one that goes back is a jump in time.
@@ -110,6 +116,7 @@ class ImageIntake {
   std::optional<Stamp> last_image_;
   ros::Time last_heard_;  // of the camera, in ROS time
 
+  bool always_ = false;  // images are taken without listeners too
   std::vector<ros::Publisher> outputs_;
   image_transport::ImageTransport transport_;
   image_transport::Subscriber image_sub_;  // while someone listens

@@ -3,8 +3,10 @@
 #include <memory>
 #include <optional>
 
+#include <nav_msgs/Odometry.h>
 #include <opencv2/core/types.hpp>
 #include <ros/ros.h>
+#include <tf2_ros/transform_broadcaster.h>
 
 #include <frugal_nav/Obstacle.h>
 #include <frugal_nav/odometry/visual_cloud.hpp>
@@ -17,7 +19,7 @@
 namespace frugal_nav {
 
 /// Camera and odom in; vo/odom, vo/points, vo/status, vo/obstacle and the accumulated vo/map out, one of each
-/// but the map for every image. Everything it decides is VisualOdometry's.
+/// but the map for every image; the tf of vo/odom on demand. Everything it decides is VisualOdometry's.
 ///
 /// vo/odom and vo/map are where the images say. vo/points are placed by the wheels' pose at the image's
 /// stamp, so that whoever takes the robot's pose from odom or tf finds them where the camera saw them.
@@ -32,6 +34,7 @@ class VisualOdometryNode {
   void prepare(const CameraFrame& frame);
   std::optional<cv::Rect> region(const CameraFrame& frame) const;
   void publish(const CameraFrame& frame, const VisualOdometryOutput& output);
+  void broadcast(const nav_msgs::Odometry& odometry);
   void publishFault(const CameraFrame& frame);
   void publishObstacle(const CameraFrame& frame, const VisualOdometryOutput& output,
                        const std::optional<cv::Rect>& region);
@@ -54,6 +57,7 @@ class VisualOdometryNode {
   ros::Publisher status_pub_;
   ros::Publisher obstacle_pub_;
   ros::Publisher map_pub_;
+  tf2_ros::TransformBroadcaster broadcaster_;
   ros::Subscriber nearest_sub_;
   std::unique_ptr<LiveParameterServer> live_;
 };

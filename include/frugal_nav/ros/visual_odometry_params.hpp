@@ -25,6 +25,7 @@ struct VisualMapOutputParams {
 /// Parameters of the node visual_odometry: config/visual_odometry.yaml. This header needs no ROS.
 struct VisualOdometryNodeParams {
   ImageIntakeParams intake;
+  bool publish_tf = false;
   bool use_region = true;
   double region_age_s = 1.0;
   VisualOdometryParams odometry;
@@ -34,6 +35,10 @@ struct VisualOdometryNodeParams {
   template <class Visitor>
   void fields(Visitor&& visit) {
     intake.fields(visit);
+    visit("publish_tf", publish_tf,
+          atStart(Field{"",
+                        "broadcast vo/odom as odom_frame -> base_frame; only where nobody else does: with it "
+                        "set wheel_odometry's publish_tf false"}));
     visit("use_region", use_region,
           atStart(Field{"", "whether the region of obstacle/nearest is searched for more features"}));
     visit("region_age_s", region_age_s,
