@@ -19,7 +19,7 @@ const cv::Scalar kObstacle(0, 150, 255);
 class Picture {
  public:
   Picture(const cv::Mat& bgr, const DepthFrame& frame)
-      : frame_(frame), image_(bgr.clone()), cell_px_(0.0), font_(std::max(0.35, bgr.cols / 1280.0)) {
+      : frame_(frame), image_(bgr.clone()), cell_px_(0.0), font_(std::max(0.4, bgr.cols / 1000.0)) {
     if (!frame.floor.empty()) cell_px_ = static_cast<double>(bgr.cols) / frame.floor.cols;
   }
 

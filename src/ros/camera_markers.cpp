@@ -10,6 +10,7 @@ namespace {
 using visualization_msgs::Marker;
 
 constexpr double kHeight_m = 0.03;  // above the floor, so that the floor does not swallow it
+constexpr double kNameHeight_m = 0.3;
 constexpr double kPredicted_s = 2.0;
 
 struct Color {
@@ -21,6 +22,7 @@ constexpr Color kBlue{0.1F, 0.4F, 0.95F, 0.9F};
 constexpr Color kRed{0.9F, 0.2F, 0.15F, 0.9F};
 constexpr Color kGrey{0.4F, 0.4F, 0.4F, 0.9F};
 constexpr Color kViolet{0.6F, 0.2F, 0.8F, 0.7F};
+constexpr Color kBlack{0.05F, 0.05F, 0.05F, 1.0F};
 
 Marker marker(const std::string& name, int type, const CameraPlan& plan, const std::string& frame,
               const Color& color) {
@@ -59,10 +61,26 @@ Marker node(const std::string& name, const std::optional<Eigen::Vector2d>& p, do
   return m;
 }
 
+/// What a node is, in words beside it.
+Marker name(int id, const std::string& text, const std::optional<Eigen::Vector2d>& p, const CameraPlan& plan,
+            const std::string& frame) {
+  Marker m = marker("names", Marker::TEXT_VIEW_FACING, plan, frame, kBlack);
+  m.id = id;
+  if (!p) {
+    m.action = Marker::DELETE;
+    return m;
+  }
+  m.text = text;
+  m.pose.position = point(*p);
+  m.pose.position.z = kNameHeight_m;
+  m.scale.z = 0.14;
+  return m;
+}
+
 /// Where each moving obstacle will be, as a line from where it is.
 Marker predictions(const CameraPlan& plan, const std::string& frame) {
   Marker m = marker("moving", Marker::LINE_LIST, plan, frame, kViolet);
-  m.scale.x = 0.06;
+  m.scale.x = 0.04;
   for (const TrackedObstacle& obstacle : plan.moving) {
     m.points.push_back(point(obstacle.p_odom));
     m.points.push_back(point(obstacle.at(kPredicted_s)));
@@ -94,6 +112,9 @@ visualization_msgs::MarkerArray cameraPlanMarkers(const CameraPlan& plan,
                    node("goal", goal, 0.30, plan, odom_frame, kBlue),
                    node("gap", plan.gap, 0.15, plan, odom_frame, kGreen),
                    node("obstacle", obstacle, obstacle_m, plan, odom_frame, kRed),
+                   name(0, "goal", goal, plan, odom_frame),
+                   name(1, "gap", plan.gap, plan, odom_frame),
+                   name(2, "nearest obstacle", obstacle, plan, odom_frame),
                    predictions(plan, odom_frame)};
   return array;
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 
 #include <cv_bridge/cv_bridge.h>
@@ -87,6 +88,19 @@ std::string captionOf(const Detection& detection, const HeadSighting& sighting) 
   return text;
 }
 
+/// Under a box, or over it where there is no room, and always within the image.
+void writeUnder(const cv::Rect2f& box, const std::string& text, const cv::Scalar& color, cv::Mat& image) {
+  constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+  const double size = std::max(0.4, image.cols / 1000.0);
+  const cv::Size room = cv::getTextSize(text, kFont, size, 1, nullptr) + cv::Size(4, 4);
+  const int below = static_cast<int>(box.br().y) + room.height;
+  const int row = below < image.rows ? below : static_cast<int>(box.y) - 4;
+  const cv::Point at(std::clamp(static_cast<int>(box.x), 2, std::max(2, image.cols - room.width)),
+                     std::max(row, room.height));
+  cv::putText(image, text, at, kFont, size, cv::Scalar::all(0), 3, cv::LINE_AA);
+  cv::putText(image, text, at, kFont, size, color, 1, cv::LINE_AA);
+}
+
 cv::Mat drawn(const CameraFrame& frame, const GoalFrame& goal) {
   const cv::Scalar good(80, 220, 80);
   const cv::Scalar doubtful(60, 160, 240);
@@ -96,9 +110,7 @@ cv::Mat drawn(const CameraFrame& frame, const GoalFrame& goal) {
     const HeadSighting& sighting = goal.sightings[i];
     const cv::Scalar color = sighting.status == HeadSighting::Status::kGood ? good : doubtful;
     cv::rectangle(image, detection.box, color, 2);
-    cv::putText(image, captionOf(detection, sighting),
-                cv::Point(static_cast<int>(detection.box.x), static_cast<int>(detection.box.br().y) + 14),
-                cv::FONT_HERSHEY_SIMPLEX, 0.4, color, 1, cv::LINE_AA);
+    writeUnder(detection.box, captionOf(detection, sighting), color, image);
   }
   return image;
 }

@@ -221,7 +221,8 @@ TEST_F(CameraPlannerNodeTest, ShowsGridAndNodesToListeners) {
   ASSERT_TRUE(grids.waitForCount(1) && markers.waitForCount(1));
   std::vector<std::string> shown;
   for (const auto& marker : markers.messages.back().markers) shown.push_back(marker.ns);
-  EXPECT_THAT(shown, testing::UnorderedElementsAre("path", "robot", "goal", "gap", "obstacle", "moving"));
+  EXPECT_THAT(shown, testing::UnorderedElementsAre("path", "robot", "goal", "gap", "obstacle", "moving",
+                                                   "names", "names", "names"));
 }
 
 TEST(CameraPlannerNodeStart, RefusesTheOtherModesParameters) {
