@@ -51,7 +51,7 @@ void GoalFinder::reset() {
   tracker_.reset();
   calibration_.reset();
   head_factor_ = 1.0;
-  seen_.clear();
+  looks_.clear();
 }
 
 HeadRangeParams GoalFinder::calibratedRange() const {
@@ -78,27 +78,55 @@ GoalFrame GoalFinder::look(const GoalView& view) {
   if (!frame.goal) {  // the next one has a head of its own
     calibration_.reset();
     head_factor_ = 1.0;
-    seen_.clear();
+    looks_.clear();
   }
+  if (frame.state == GoalTracker::State::kUnseen && !could_see)
+    looks_.push_back({view.stamp, view.odom_from_base, std::nullopt});
+  if (looks_.size() > kAwaited) looks_.pop_front();
   if (frame.state != GoalTracker::State::kSeen) return frame;
   frame.goal_detection = nearestSighting(frame, view.odom_from_base);
   if (!frame.goal_detection) return frame;
   HeadSighting head = frame.sightings[*frame.goal_detection];
   head.range_m /= head_factor_;
-  seen_.push_back({view.stamp, head});
-  if (seen_.size() > kAwaited) seen_.pop_front();
+  looks_.push_back({view.stamp, view.odom_from_base, head});
   return frame;
 }
 
 void GoalFinder::addSurfaces(const LaserScan& surfaces) {
-  const auto found = std::find_if(seen_.begin(), seen_.end(),
-                                  [&](const Seen& seen) { return seen.stamp == surfaces.stamp; });
-  if (found == seen_.end()) return;
-  calibration_.add(found->head, surfaces);
+  const auto found = std::find_if(looks_.begin(), looks_.end(),
+                                  [&](const Look& look) { return look.stamp == surfaces.stamp; });
+  if (found == looks_.end() || !calibration_.params().enabled) return;
+  if (found->head) {
+    calibrate(*found->head, surfaces);
+  } else {
+    placeBySurfaces(found->odom_from_base, surfaces);
+  }
+}
+
+void GoalFinder::calibrate(const HeadSighting& head, const LaserScan& surfaces) {
+  calibration_.add(head, surfaces);
   const double change = calibration_.factor() / head_factor_ - 1.0;
   if (std::abs(change) < kSameFactor) return;
   head_factor_ = calibration_.factor();
-  tracker_.doubt(change * found->head.range_m);  // its place came from the other size
+  tracker_.doubt(change * head.range_m);  // its place came from the other size
+}
+
+void GoalFinder::placeBySurfaces(const Pose2& odom_from_base, const LaserScan& surfaces) {
+  const std::optional<TrackedGoal> goal = tracker_.goal();
+  if (!goal) return;
+  const Eigen::Vector2d p_base = odom_from_base.inverse() * goal->p_odom;
+  const double bearing_rad = std::atan2(p_base.y(), p_base.x());
+  const std::optional<double> range_m =
+      bodyRange(bearing_rad, p_base.norm(), surfaces, calibration_.params());
+  if (!range_m) return;
+  const double yaw_rad = odom_from_base.yaw_rad + bearing_rad;
+  const Eigen::Vector2d along(std::cos(yaw_rad), std::sin(yaw_rad));
+  const Eigen::Vector2d aside(-along.y(), along.x());
+  const double along_m = calibration_.params().body_sigma_m;
+  const double aside_m = calibration_.params().half_width_m;
+  tracker_.place(
+      odom_from_base.position() + *range_m * along,
+      along_m * along_m * along * along.transpose() + aside_m * aside_m * aside * aside.transpose());
 }
 
 }  // namespace frugal_nav

@@ -30,20 +30,27 @@ HeadCalibration::HeadCalibration(const HeadCalibrationParams& params) : params_(
   validate(params, "head calibration");
 }
 
-void HeadCalibration::add(const HeadSighting& head, const LaserScan& surfaces) {
-  if (!params_.enabled || head.status != HeadSighting::Status::kGood || !(head.range_m > 0.0)) return;
-  const double half_rad = std::atan2(params_.half_width_m, head.range_m);
+std::optional<double> bodyRange(double bearing_rad, double range_m, const LaserScan& surfaces,
+                                const HeadCalibrationParams& params) {
+  const double half_rad = std::atan2(params.half_width_m, range_m);
   std::vector<double> hits_m;
   for (std::size_t i = 0; i < surfaces.ranges_m.size(); ++i) {
-    if (std::abs(angleBetween(head.bearing_rad, surfaces.angleOf(i))) > half_rad) continue;
+    if (std::abs(angleBetween(bearing_rad, surfaces.angleOf(i))) > half_rad) continue;
     if (classify(surfaces, surfaces.ranges_m[i]) == Return::kHit)
       hits_m.push_back(static_cast<double>(surfaces.ranges_m[i]));
   }
   const std::optional<double> nearest_m = nearestBody(std::move(hits_m));
-  if (!nearest_m || *nearest_m > params_.max_range_m) return;
-  const double ratio = (*nearest_m + params_.body_depth_m) / head.range_m;
-  if (ratio > params_.max_ratio || ratio < 1.0 / params_.max_ratio) return;
-  ratios_.push_back(ratio);
+  if (!nearest_m || *nearest_m > params.max_range_m) return std::nullopt;
+  const double ratio = (*nearest_m + params.body_depth_m) / range_m;
+  if (ratio > params.max_ratio || ratio < 1.0 / params.max_ratio) return std::nullopt;
+  return *nearest_m + params.body_depth_m;
+}
+
+void HeadCalibration::add(const HeadSighting& head, const LaserScan& surfaces) {
+  if (!params_.enabled || head.status != HeadSighting::Status::kGood || !(head.range_m > 0.0)) return;
+  const std::optional<double> range_m = bodyRange(head.bearing_rad, head.range_m, surfaces, params_);
+  if (!range_m) return;
+  ratios_.push_back(*range_m / head.range_m);
   if (static_cast<int>(ratios_.size()) > params_.max_samples) ratios_.pop_front();
 }
 

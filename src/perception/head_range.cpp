@@ -94,7 +94,7 @@ HeadSighting HeadRange::locate(const Detection& head) const {
 
 HeadSighting::Status HeadRange::judge(const cv::Rect2d& box, const HeadSighting& sighting) const {
   using Status = HeadSighting::Status;
-  const double border = params_.border_px;
+  const double border = std::max(params_.border_px, params_.border_share * box.height);
   const bool is_whole = box.x >= border && box.y >= border &&
                         box.x + box.width <= camera_.width_px - border &&
                         box.y + box.height <= camera_.height_px - border;
@@ -108,8 +108,8 @@ HeadSighting::Status HeadRange::judge(const cv::Rect2d& box, const HeadSighting&
 
 bool HeadRange::couldSee(const Eigen::Vector2d& p_base, double above_floor_m) const {
   const Eigen::Isometry3d optical_from_base = base_from_optical_.inverse();
-  const double half = 0.5 * std::max(params_.head_height_m, params_.head_depth_m);
-  const double slack = std::max(params_.border_px, 0.0);
+  const double half = (0.5 + params_.border_share) * std::max(params_.head_height_m, params_.head_depth_m);
+  const double slack = params_.border_px;
   for (const double above : {above_floor_m - half, above_floor_m + half}) {
     const Eigen::Vector3d p = optical_from_base * Eigen::Vector3d(p_base.x(), p_base.y(), above);
     if (!(p.z() > 0.0)) return false;

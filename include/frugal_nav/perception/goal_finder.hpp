@@ -51,7 +51,7 @@ class GoalFinder {
   /// goal is lost after its time-out and found again when sound images return.
   GoalFrame look(const GoalView& view);
   /// The nearest surfaces in the view of an image looked at before, in base_link: where the goal's feet stand
-  /// corrects the size of its head from the next image on.
+  /// corrects the size of its head from the next image on, or its place while its head is out of view.
   void addSurfaces(const LaserScan& surfaces);
 
   const Detector& detector() const { return *detector_; }
@@ -69,11 +69,15 @@ class GoalFinder {
   GoalTracker tracker_;
   HeadCalibration calibration_;
   double head_factor_ = 1.0;  ///< of the goal's head over range_params_, as applied
-  struct Seen {
+  struct Look {
     Stamp stamp{};
-    HeadSighting head;  ///< with the assumed size
+    Pose2 odom_from_base;
+    std::optional<HeadSighting> head;  ///< the goal's, with the assumed size; empty: out of the camera's view
   };
-  std::deque<Seen> seen_;  ///< the goal in the last images
+  void calibrate(const HeadSighting& head, const LaserScan& surfaces);
+  void placeBySurfaces(const Pose2& odom_from_base, const LaserScan& surfaces);
+
+  std::deque<Look> looks_;  ///< the last images that surfaces may tell more of
 };
 
 }  // namespace frugal_nav

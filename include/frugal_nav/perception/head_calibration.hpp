@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 
 #include <frugal_nav/common/laser_scan.hpp>
 #include <frugal_nav/common/params.hpp>
@@ -14,6 +15,7 @@ struct HeadCalibrationParams {
   double max_range_m = 4.0;
   double half_width_m = 0.2;
   double body_depth_m = 0.15;
+  double body_sigma_m = 0.08;
   double max_ratio = 1.3;
   int min_samples = 5;
   int max_samples = 25;
@@ -21,7 +23,9 @@ struct HeadCalibrationParams {
   template <class Visitor>
   void fields(Visitor&& visit) {
     visit("enabled", enabled,
-          Field{"", "whether the surfaces that depth/scan shows correct the head's size, person by person"});
+          Field{"",
+                "whether the surfaces that depth/scan shows correct the head's size, person by person, and "
+                "the place of one whose head is above the image"});
     visit("max_range_m", max_range_m,
           Field{"m", "farther surfaces are not used: where floor ends is known to a pixel, 0.12 m at 4 m",
                 0.5, 20.0});
@@ -29,6 +33,8 @@ struct HeadCalibrationParams {
           Field{"m", "a surface this far beside the head's bearing is still the person's", 0.05, 1.0});
     visit("body_depth_m", body_depth_m,
           Field{"m", "the middle of a person lies this far behind its nearest surface", 0.0, 0.5});
+    visit("body_sigma_m", body_sigma_m,
+          Field{"m", "standard deviation of that: legs stand apart", 0.01, 1.0});
     visit("max_ratio", max_ratio,
           Field{"", "a surface nearer or farther by more than this is another thing's: heads differ by less",
                 1.01, 2.0});
@@ -39,6 +45,11 @@ struct HeadCalibrationParams {
     return min_samples <= max_samples ? "" : "min_samples must not exceed max_samples";
   }
 };
+
+/// How far the middle of a person is who is thought to be at a bearing and range, by the nearest surfaces of
+/// the same view, in base_link [m]; nothing when none is there.
+std::optional<double> bodyRange(double bearing_rad, double range_m, const LaserScan& surfaces,
+                                const HeadCalibrationParams& params);
 
 /// How large one person's head is over what is assumed, from where the same person's feet stand. The error of
 /// an assumed size is the same in all images: averaging does not remove it, this does.
@@ -52,6 +63,7 @@ class HeadCalibration {
   /// True head size over the assumed one; 1 until enough is known.
   double factor() const;
   bool isKnown() const;
+  const HeadCalibrationParams& params() const { return params_; }
   void reset() { ratios_.clear(); }
 
  private:

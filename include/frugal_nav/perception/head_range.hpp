@@ -12,13 +12,14 @@ namespace frugal_nav {
 
 /// What is known of the heads a detector boxes.
 struct HeadRangeParams {
-  double head_height_m = 0.233;
+  double head_height_m = 0.232;
   double head_depth_m = 0.20;
   double head_height_share = 0.05;
   double edge_noise_px = 1.0;
   double edge_noise_share = 0.02;
   double min_box_px = 10.0;
   double border_px = 2.0;
+  double border_share = 0.12;
   double min_above_floor_m = 0.8;
   double max_above_floor_m = 2.3;
   double max_range_m = 12.0;
@@ -41,6 +42,10 @@ struct HeadRangeParams {
           Field{"px", "a lower box gives no distance: an edge's error would be a tenth of it", 1.0, 1000.0});
     visit("border_px", border_px,
           Field{"px", "a box closer to the image's edge is cut off and gives no distance", 0.0, 100.0});
+    visit("border_share", border_share,
+          Field{"",
+                "the same as a share of the box's height: a detector's box ends before the edge that cuts it",
+                0.0, 1.0});
     visit("min_above_floor_m", min_above_floor_m,
           Field{"m", "lowest centre of a head (someone sitting)", -10.0, 10.0});
     visit("max_above_floor_m", max_above_floor_m, Field{"m", "highest centre of a head", -10.0, 10.0});

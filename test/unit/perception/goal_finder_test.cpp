@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -124,6 +125,58 @@ TEST_F(GoalFinding, KeepsAGoalTooNearToBeInView) {
   view_.odom_from_base.x_m = 0.0;  // back where it should be seen
   for (int i = 0; i < 20; ++i) frame();
   EXPECT_EQ(frame().state, State::kLost);
+}
+
+/// What stands around a bearing at a range, and nothing else within 5 m.
+LaserScan bodyAt(Stamp stamp, double bearing_rad, double range_m) {
+  LaserScan scan;
+  scan.stamp = stamp;
+  scan.angle_min_rad = -0.8;
+  scan.angle_increment_rad = 0.02;
+  scan.range_min_m = 0.1;
+  scan.range_max_m = 5.0;
+  for (int i = 0; i <= 80; ++i) {
+    const bool hits = std::abs(scan.angleOf(static_cast<std::size_t>(i)) - bearing_rad) < 0.08;
+    scan.ranges_m.push_back(hits ? static_cast<float>(range_m) : std::numeric_limits<float>::infinity());
+  }
+  return scan;
+}
+
+// As above; the person stands 0.25 m farther than the head told, 1.75 m from the robot, half a metre aside.
+TEST_F(GoalFinding, PlacesAGoalTooNearToBeInViewByItsFeet) {
+  for (int i = 0; i < 3; ++i) frame();
+  view_.odom_from_base.x_m = 1.0;
+  view_.bgr.setTo(cv::Scalar::all(100));
+  const double bearing = std::atan2(0.5, 1.5);
+  const double range = std::hypot(1.75, 0.583);
+  for (int i = 0; i < 20; ++i) {
+    frame();
+    finder_.addSurfaces(bodyAt(view_.stamp, bearing, range - HeadCalibrationParams{}.body_depth_m));
+  }
+  const GoalFrame found = frame();
+  EXPECT_EQ(found.state, State::kUnseen);
+  ASSERT_TRUE(found.goal);
+  EXPECT_NEAR(found.goal->p_odom.x(), 2.75, 0.05);
+  EXPECT_NEAR(found.goal->p_odom.y(), 0.583, 0.05);
+}
+
+TEST_F(GoalFinding, DoesNotTakeAnotherThingForTheGoalsFeet) {
+  for (int i = 0; i < 3; ++i) frame();
+  view_.odom_from_base.x_m = 1.0;
+  view_.bgr.setTo(cv::Scalar::all(100));
+  for (int i = 0; i < 20; ++i) {
+    frame();
+    finder_.addSurfaces(bodyAt(view_.stamp, std::atan2(0.5, 1.5), 0.8));
+  }
+  EXPECT_NEAR(frame().goal->p_odom.x(), 2.5, 1e-6);
+}
+
+// A head of 50 px whose box ends 4 px under the image's upper edge: the detector's box ends before the edge.
+TEST_F(GoalFinding, BelievesNoHeadThatTheImageCutsOff) {
+  show({200, 4, 40, 50});
+  EXPECT_EQ(frame().sightings[0].status, HeadSighting::Status::kCutOff);
+  show({200, 12, 40, 50});
+  EXPECT_EQ(frame().sightings[0].status, HeadSighting::Status::kGood);
 }
 
 }  // namespace
