@@ -39,7 +39,8 @@ void ObstacleMemory::insert(const LaserScan& scan, const NearestObstacle& obstac
   grid_.moveTo(robot);
   grid_.begin(scan.stamp);
   for (const TrackedObstacle& moved : moving_) {
-    for (const Eigen::Vector2d& p : moved.trail) grid_.erase(p, moved.radius_m + kTrailMargin_m);
+    for (const Eigen::Vector2d& p : moved.trail)
+      grid_.erase(p, moved.radius_m + kTrailMargin_m, params_.standing_certainty);
   }
   const double longest_m = std::min(params_.grid.max_range_m, scan.range_max_m);
   const auto endOf = [&](std::size_t beam, double range_m) {
@@ -98,9 +99,12 @@ void ObstacleMemory::follow(const LaserScan& scan, const NearestObstacle& obstac
   tracker_.update(scan, odom_from_base,
                   [&](const Eigen::Vector2d& p) { return isPerson(p, robot, p_odom_person); });
   moving_ = tracker_.moving();
+  moving_.erase(std::remove_if(moving_.begin(), moving_.end(),
+                               [this](const TrackedObstacle& track) { return isStanding(track.p_odom); }),
+                moving_.end());
   const double speed_mps = obstacle.velocity_mps.norm();
   if (!obstacle.found || speed_mps < params_.tracker.slowest_mps || isMoving(obstacle.p_odom) ||
-      isPerson(obstacle.p_odom, robot, p_odom_person))
+      isPerson(obstacle.p_odom, robot, p_odom_person) || isStanding(obstacle.p_odom))
     return;
   TrackedObstacle nearest;  // known to move by whoever found it
   nearest.p_odom = obstacle.p_odom;
@@ -155,6 +159,16 @@ bool ObstacleMemory::isMoving(const Eigen::Vector2d& p_odom) const {
   return std::any_of(moving_.begin(), moving_.end(), [&](const TrackedObstacle& track) {
     return (track.p_odom - p_odom).norm() < track.radius_m + kMovingMargin_m;
   });
+}
+
+bool ObstacleMemory::isStanding(const Eigen::Vector2d& p_odom) const {
+  const Cell centre = grid_.cellOf(p_odom);
+  for (int y = centre.y - 1; y <= centre.y + 1; ++y) {
+    for (int x = centre.x - 1; x <= centre.x + 1; ++x) {
+      if (grid_.certainty({x, y}) > params_.standing_certainty) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace frugal_nav

@@ -176,14 +176,14 @@ void RollingGrid::visitRay(const Eigen::Vector2d& from_odom, const Eigen::Vector
   }
 }
 
-void RollingGrid::erase(const Eigen::Vector2d& p_odom, double radius_m) {
+void RollingGrid::erase(const Eigen::Vector2d& p_odom, double radius_m, int most_certain) {
   const Cell center = cellOf(p_odom);
   const int reach = static_cast<int>(std::ceil(radius_m / params_.cell_m));
   for (int y = center.y - reach; y <= center.y + reach; ++y) {
     for (int x = center.x - reach; x <= center.x + reach; ++x) {
       if (!contains({x, y}) || (centerOf({x, y}) - p_odom).norm() > radius_m) continue;
       Entry& gone = entry({x, y});
-      if (stateOf(gone) != State::kOccupied) continue;
+      if (stateOf(gone) != State::kOccupied || gone.certainty > most_certain) continue;
       gone.certainty = 0;
       touch(gone);
     }

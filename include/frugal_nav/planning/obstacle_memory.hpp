@@ -14,8 +14,9 @@
 namespace frugal_nav {
 
 struct ObstacleMemoryParams {
-  RollingGridParams grid{10.0, 0.05, 2, 1, 8, 30.0, 3.5};
+  RollingGridParams grid{10.0, 0.05, 2, 1, 16, 30.0, 3.5};
   ObstacleTrackerParams tracker;
+  int standing_certainty = 8;
   double sigma_m = 0.03;
   double sigma_share = 0.03;
   double largest_sigma_m = 0.25;
@@ -28,6 +29,13 @@ struct ObstacleMemoryParams {
   void fields(Visitor&& visit) {
     visit("grid", grid);
     visit("tracker", tracker);
+    visit(
+        "standing_certainty", standing_certainty,
+        Field{
+            "",
+            "a place more certain than this holds something that stands: nothing seen there moves, and what "
+            "walks by does not wipe it out",
+            0, 120});
     visit("sigma_m", sigma_m,
           Field{"m", "noise of a range: what lies this near before a hit is not taken for free", 0.0, 1.0});
     visit("sigma_share", sigma_share, Field{"", "the same, as a share of the range", 0.0, 1.0});
@@ -82,6 +90,7 @@ class ObstacleMemory {
   bool isPerson(const Eigen::Vector2d& p_odom, const Eigen::Vector2d& robot,
                 const std::optional<Eigen::Vector2d>& p_odom_person) const;
   bool isMoving(const Eigen::Vector2d& p_odom) const;
+  bool isStanding(const Eigen::Vector2d& p_odom) const;
   void follow(const LaserScan& scan, const NearestObstacle& obstacle, const Pose2& odom_from_base,
               const std::optional<Eigen::Vector2d>& p_odom_person);
   std::vector<double> clearLengths(const LaserScan& scan, double longest_m) const;

@@ -90,8 +90,8 @@ class RollingGrid {
   void clear(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom, bool include_end);
   /// The same without the cell it ends in, but obstacles on it stay.
   void clearUnknown(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom);
-  /// Obstacles within a radius are gone, as if seen free now.
-  void erase(const Eigen::Vector2d& p_odom, double radius_m);
+  /// Obstacles within a radius that are no more certain than this are gone, as if seen free now.
+  void erase(const Eigen::Vector2d& p_odom, double radius_m, int most_certain);
 
   /// Forgets everything.
   void reset();

@@ -106,6 +106,22 @@ TEST(ObstacleMemory, AGuessFromNearbyDoesNotMoveWhatWasSeenWell) {
   EXPECT_EQ(stateAt(memory, 1.63, 0.01), State::kOccupied);
 }
 
+TEST(ObstacleMemory, WhatStoodForLongIsNotWipedOutByWhatSeemsToMove) {
+  ObstacleMemory memory(ObstacleMemoryParams{});
+  const LaserScan scan = withObject(evenScan(1.0, kNothing), {2.02, 0.0}, 0.2);
+  LaserScan now = scan;
+  for (int i = 0; i < 10; ++i, now.stamp += fromSeconds(0.2))
+    memory.insert(now, nothingNear(), {}, std::nullopt);
+  NearestObstacle moving;
+  moving.found = true;
+  moving.p_odom = {2.02, 0.0};
+  moving.velocity_mps = {0.0, 0.6};
+  for (int i = 0; i < 3; ++i, now.stamp += fromSeconds(0.2))
+    memory.insert(evenScan(toSeconds(now.stamp - Stamp{}), kNothing), moving, {}, std::nullopt);
+  EXPECT_TRUE(memory.moving().empty());
+  EXPECT_EQ(stateAt(memory, 2.01, 0.01), State::kOccupied);
+}
+
 TEST(ObstacleMemory, NeitherMarksNorClearsWhereTheScanKnowsNothing) {
   ObstacleMemory memory(ObstacleMemoryParams{});
   memory.insert(withObject(evenScan(1.0, kNothing), {2.02, 0.0}, 0.2), nothingNear(), {}, std::nullopt);
