@@ -129,8 +129,9 @@ class Checker {
         expectation && expectation->max_delay_s ? *expectation->max_delay_s : kOtherClock_s;
     if (!header.stamp.isZero() && std::abs(delay_s) > allowed_s)
       note(topic, "delay", recorded, "stamp lies " + seconds(delay_s) + " before its recording");
-    // A joint state's frame has no meaning either.
-    if (report.type == "sensor_msgs/JointState" || (expectation && expectation->no_frame)) return;
+    // The frame of joint states and diagnostics has no meaning either.
+    if (report.type == "sensor_msgs/JointState" || report.type == "diagnostic_msgs/DiagnosticArray") return;
+    if (expectation && expectation->no_frame) return;
     if (header.frame_id.empty()) {
       note(topic, "no frame", recorded, "frame_id is empty");
     } else if (header.frame_id[0] == '/') {
@@ -147,7 +148,8 @@ class Checker {
     if (!report.last.isZero()) {
       const double step_s = (stamp - report.last).toSec();
       const TopicExpectation* expectation = expectationOf(topic);
-      if (step_s < 0.0) note(topic, "back", stamp, "stamp goes back by " + seconds(-step_s));
+      if (step_s < 0.0 && !(expectation && expectation->unordered_stamps))
+        note(topic, "back", stamp, "stamp goes back by " + seconds(-step_s));
       if (step_s == 0.0 && report.has_header && expectation && !expectation->repeated_stamps)
         note(topic, "same", stamp, "stamp comes twice");
       if (expectation && expectation->max_gap_s && step_s > *expectation->max_gap_s)
@@ -237,6 +239,8 @@ TopicExpectation parseExpectation(const YAML::Node& node, const std::string& whe
       expectation.no_frame = value.as<bool>();
     } else if (key == "repeated_stamps") {
       expectation.repeated_stamps = value.as<bool>();
+    } else if (key == "unordered_stamps") {
+      expectation.unordered_stamps = value.as<bool>();
     } else if (key == "min_rate_hz") {
       expectation.min_rate_hz = value.as<double>();
     } else if (key == "max_rate_hz") {

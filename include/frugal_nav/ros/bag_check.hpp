@@ -24,6 +24,7 @@ struct TopicExpectation {
   bool no_frame = false;              ///< the header's frame has no meaning
   bool zero_stamps = false;           ///< a message may lack its stamp
   bool repeated_stamps = false;       ///< several messages may rest on one instant
+  bool unordered_stamps = false;      ///< a message may rest on an earlier instant than the one before
 };
 
 /// The expectations of a YAML file; config/bag_topics.yaml explains its keys. Throws ConfigError.
