@@ -56,10 +56,12 @@ GoalTracker::Seen* GoalTracker::nearest(const Track& track, std::vector<Seen>& s
     const HeadSighting* sighting = candidate.sighting;
     if (sighting == nullptr || sighting->score < min_score || sighting->class_id != track.goal.class_id)
       continue;
+    if (std::abs(sighting->above_floor_m - track.goal.above_floor_m) > params_.height_gate_m) continue;
     const Eigen::Vector2d gap = candidate.p_odom - track.goal.p_odom;
     const Eigen::Matrix2d spread = track.goal.covariance_m2 + candidate.noise_m2 + candidate.common_m2;
     const double sigmas = std::sqrt(gap.dot(spread.inverse() * gap));
-    const bool is_near = sigmas <= params_.gate_sigma || gap.norm() <= params_.min_gate_m;
+    const bool is_near = sigmas <= params_.gate_sigma ||
+                         (gap.norm() <= params_.min_gate_m && sighting->score >= params_.start_score);
     if (is_near && sigmas < best_distance) {
       best = &candidate;
       best_distance = sigmas;
@@ -89,7 +91,8 @@ void GoalTracker::absorb(Track& track, const Seen& seen, Stamp stamp) const {
 }
 
 void GoalTracker::updateGoal(Stamp stamp, std::vector<Seen>& seen, bool could_see) {
-  Seen* own = nearest(*goal_, seen, params_.keep_score);
+  // Where it is out of view a weak sighting is something else: a shadow, a hand.
+  Seen* own = nearest(*goal_, seen, could_see ? params_.keep_score : params_.start_score);
   if (own != nullptr) {
     absorb(*goal_, *own, stamp);
     own->sighting = nullptr;  // taken

@@ -23,6 +23,7 @@ struct GoalTrackerParams {
   double forget_unseeable_s = 60.0;
   double gate_sigma = 3.0;
   double min_gate_m = 0.5;
+  double height_gate_m = 0.3;
   double drift_m2ps = 0.0005;
 
   template <class Visitor>
@@ -44,7 +45,10 @@ struct GoalTrackerParams {
     visit("gate_sigma", gate_sigma,
           Field{"", "a sighting farther off is something else, in standard deviations", 1.0, 10.0});
     visit("min_gate_m", min_gate_m,
-          Field{"m", "a sighting this close belongs to the goal in any case: people shift", 0.0, 5.0});
+          Field{"m", "a sighting of start_score this close belongs to the goal in any case: people shift",
+                0.0, 5.0});
+    visit("height_gate_m", height_gate_m,
+          Field{"m", "a sighting this much higher or lower over the floor is something else", 0.0, 3.0});
     visit("drift_m2ps", drift_m2ps,
           Field{"m^2/s", "how fast the goal's variance grows: a standing person sways", 0.0, 10.0});
   }

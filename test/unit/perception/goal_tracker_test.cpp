@@ -117,6 +117,21 @@ TEST_F(GoalTracking, KeepsByALowerScoreThanItStarts) {
   EXPECT_EQ(frame({sightingAt(3, 0, 0.2)}), State::kUnseen);
 }
 
+TEST_F(GoalTracking, BelievesNoWeakSightingWhereItCannotBeSeen) {
+  findGoalAt(3, 0);
+  EXPECT_EQ(frame({sightingAt(3.1, 0.1, 0.4)}, false), State::kUnseen);
+  EXPECT_NEAR(tracker_.goal()->p_odom.x(), 3.0, 1e-9);
+  EXPECT_EQ(frame({sightingAt(3.1, 0.1, 0.4)}, true), State::kSeen);
+}
+
+TEST_F(GoalTracking, IsNoHigherThanItWas) {
+  findGoalAt(3, 0);
+  HeadSighting shadow = sightingAt(3.2, 0.2);
+  shadow.above_floor_m = 1.2;
+  EXPECT_EQ(frame({shadow}), State::kUnseen);
+  EXPECT_NEAR(tracker_.goal()->p_odom.x(), 3.0, 1e-9);
+}
+
 TEST_F(GoalTracking, KeepsToItsClass) {
   findGoalAt(3, 0);
   HeadSighting other = sightingAt(3, 0);
