@@ -38,6 +38,7 @@ ContactMemory::ContactMemory(const ContactMemoryParams& params)
 std::vector<DepthAnchor> ContactMemory::recall(Stamp stamp, const Pose2& odom_from_base,
                                                const ViewRays& rays) const {
   constexpr double kHeightStep_m = 0.03;
+  constexpr double kHighest_m = 0.6;
   constexpr double kGate = 1.0;  // the network may be far off in what fills the view
   const Pose2 base_from_odom = odom_from_base.inverse();
   std::vector<DepthAnchor> anchors;
@@ -48,9 +49,11 @@ std::vector<DepthAnchor> ContactMemory::recall(Stamp stamp, const Pose2& odom_fr
     const Eigen::Vector2d p_base = base_from_odom * foot.p_odom;
     const std::optional<Seen> low = see(p_base, 0.0, rays);
     if (low && isWithin(low->cell, rays.grid())) continue;  // the image itself tells
-    for (double height = kHeightStep_m; height <= params_.height_m; height += kHeightStep_m) {
+    double highest_m = kHighest_m;  // what is seen of it begins the higher the nearer it is
+    for (double height = kHeightStep_m; height <= highest_m; height += kHeightStep_m) {
       const std::optional<Seen> seen = see(p_base, height, rays);
       if (!seen || !isWithin(seen->cell, rays.grid())) continue;
+      highest_m = std::min(highest_m, height + params_.height_m);
       double& limit = nearest[static_cast<std::size_t>(std::lround(seen->cell.x()))];
       constexpr double kSameThing = 1.15;
       if (seen->depth_m > kSameThing * limit) continue;  // hidden behind another

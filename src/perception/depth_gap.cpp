@@ -97,12 +97,17 @@ struct DepthGap::Impl {
     frame.fit = filter.update(view.stamp, samples);
   }
 
+  /// The image on the grid.
+  cv::Mat small(const DepthView& view) const {
+    cv::Mat bgr;
+    cv::resize(view.bgr, bgr, rays->grid(), 0.0, 0.0, cv::INTER_AREA);
+    return bgr;
+  }
+
   /// What the looks say of the floor: by the network where it tells, else by colour.
   cv::Mat lookForFloor(const DepthView& view, const cv::Mat& probability, const cv::Mat& expected) {
     if (!probability.empty() && params.use_network_floor) return floorEvidence(probability, params.contact);
-    cv::Mat small;
-    cv::resize(view.bgr, small, rays->grid(), 0.0, 0.0, cv::INTER_AREA);
-    return floorEvidence(floor.find(small, *rays, likelyFloor(expected)), params.contact);
+    return floorEvidence(floor.find(small(view), *rays, likelyFloor(expected)), params.contact);
   }
 
   /// Where the floor is by the last scale alone; empty while there is none.
@@ -126,7 +131,7 @@ struct DepthGap::Impl {
     if (fitted.empty() || params.method == "unscaled") return fitted;
     std::vector<DepthAnchor> anchors = voAnchors(view, *rays, params.vo_scale_sigma);
     if (params.method == "fused") {
-      append(contactAnchors(frame.contacts, *rays), anchors);
+      append(contactAnchors(frame.contacts, *rays, small(view)), anchors);
       append(remembered, anchors);
     }
     cv::Mat weight;

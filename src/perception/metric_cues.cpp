@@ -61,6 +61,15 @@ std::vector<KnownDepth> voDepths(const DepthView& view, const ViewRays& rays, do
   return known;
 }
 
+/// Whether a cell and the one below it have much the same colour, as within one surface.
+bool isAlike(const cv::Mat& bgr, int row, int column, int most) {
+  const auto& upper = bgr.at<cv::Vec3b>(row, column);
+  const auto& lower = bgr.at<cv::Vec3b>(row + 1, column);
+  int off = 0;
+  for (int c = 0; c < 3; ++c) off += std::abs(static_cast<int>(upper[c]) - static_cast<int>(lower[c]));
+  return off <= most;
+}
+
 }  // namespace
 
 std::vector<MetricSample> voSamples(const DepthView& view, const ViewRays& rays, const cv::Mat& inverse,
@@ -114,18 +123,28 @@ std::vector<DepthAnchor> voAnchors(const DepthView& view, const ViewRays& rays, 
   return anchors;
 }
 
-std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contacts, const ViewRays& rays) {
+std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contacts, const ViewRays& rays,
+                                        const cv::Mat& small_bgr) {
   constexpr float kFoot_m = 0.15F;
-  constexpr int kSkip = 1;  // the lowest row is half floor
+  constexpr float kHighest_m = 0.6F;
+  constexpr int kSkip = 1;           // the lowest row is half floor
+  constexpr int kSameColour = 24;    // sum over the channels, from row to row
+  constexpr double kLeanPerM = 0.2;  // what a thing may lean, as a share of its distance
   std::vector<DepthAnchor> anchors;
   for (int column = 0; column < rays.grid().width; ++column) {
     const FloorContact& contact = contacts[static_cast<std::size_t>(column)];
     if (contact.state != FloorContact::State::kContact) continue;
     const auto depth = static_cast<float>(contact.depth_m);
-    for (int row = contact.row - kSkip; row >= 0; row -= 2) {
-      if (row < contact.row - 6 && rays.heightAt(row, column, depth) > kFoot_m) break;
+    const int first = contact.row - kSkip;
+    for (int row = first; row >= 0; --row) {
+      const float height_m = rays.heightAt(row, column, depth);
+      const bool is_foot = row >= contact.row - 6 || height_m <= kFoot_m;
+      if (!is_foot && (height_m > kHighest_m || !isAlike(small_bgr, row, column, kSameColour))) break;
+      if ((first - row) % (is_foot ? 2 : 4) != 0) continue;
+      const double sigma = std::hypot(contact.sigma_m / contact.depth_m,
+                                      is_foot ? 0.0 : kLeanPerM * static_cast<double>(height_m));
       anchors.push_back({cv::Point2f(static_cast<float>(column), static_cast<float>(row)),
-                         1.0 / contact.depth_m, contact.sigma_m / contact.depth_m, kContactGate});
+                         1.0 / contact.depth_m, sigma, kContactGate});
     }
   }
   return anchors;

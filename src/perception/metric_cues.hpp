@@ -37,8 +37,10 @@ std::vector<MetricSample> goalSamples(const DepthView& view, const ViewRays& ray
 
 std::vector<DepthAnchor> voAnchors(const DepthView& view, const ViewRays& rays, double scale_sigma);
 
-/// The upright foot of what stands on the floor.
-std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contacts, const ViewRays& rays);
+/// What stands on the floor, upright from its foot up to where its colour changes (`small_bgr`: CV_8UC3, the
+/// image on the grid).
+std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contacts, const ViewRays& rays,
+                                        const cv::Mat& small_bgr);
 
 /// The cue that an obstacle's distance rests on most.
 std::string mainCue(const SeenObstacle& seen, const NearestObstacle& obstacle, const DepthView& view,

@@ -34,8 +34,9 @@ struct ContactMemoryParams {
     visit("max_depth_m", max_depth_m, Field{"m", "farther feet are not kept: they are less sure", 0.3, 20.0});
     visit("drift_per_s", drift_per_s,
           Field{"1/s", "error that a remembered distance gains: odometry, and things that move", 0.0, 1.0});
-    visit("height_m", height_m,
-          Field{"m", "height over its foot to which a thing is thought upright", 0.02, 2.0});
+    visit(
+        "height_m", height_m,
+        Field{"m", "height above the lowest part in view up to which a thing is thought upright", 0.02, 2.0});
   }
 };
 
