@@ -66,6 +66,13 @@ Calibration fromRos(const sensor_msgs::CameraInfo& msg) {
     out.fault = std::string("camera_info is all zeros: ") + kCalibrate;
     return out;
   }
+  // Some drivers say 1 where they know nothing. A tenth of the width would be a lens that sees 157 degrees.
+  constexpr double kLeastFocal = 0.1;
+  if (msg.K[0] < kLeastFocal * msg.width || msg.K[4] < kLeastFocal * msg.height) {
+    out.fault = "camera_info has a focal length of " + std::to_string(std::min(msg.K[0], msg.K[4])) +
+                " pixels: " + kCalibrate;
+    return out;
+  }
   const auto& d = msg.D;
   const auto coefficient = [&d](std::size_t i) { return i < d.size() ? d[i] : 0.0; };
   const bool is_bent = std::any_of(d.begin(), d.end(), [](double value) { return value != 0.0; });

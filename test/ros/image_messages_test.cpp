@@ -124,6 +124,12 @@ TEST(ImageMessages, BlankCameraInfoSaysWhatToDo) {
   EXPECT_THAT(fromRos(blank).fault, testing::AllOf(HasSubstr("all zeros"), HasSubstr("camera_calibration")));
 }
 
+TEST(ImageMessages, PlaceholderOfADriverIsNoCalibration) {
+  sensor_msgs::CameraInfo msg = info();
+  msg.K[0] = msg.K[4] = 1.0;  // as image_publisher says
+  EXPECT_THAT(fromRos(msg).fault, HasSubstr("camera_calibration"));
+}
+
 TEST(ImageMessages, UnusableCameraInfoIsAFault) {
   sensor_msgs::CameraInfo msg = info();
   msg.distortion_model = "equidistant";
