@@ -170,8 +170,7 @@ void CameraStack::passGoal() {
 
 void CameraStack::takeEffect(CameraResult result) {
   const double begin_ms = wallTime_ms();
-  if (result.goal.goal && result.goal.state == GoalTracker::State::kSeen)
-    mission_.setObservedGoal(result.goal.goal->p_odom, result.stamp);
+  if (result.goal.observed) mission_.setObservedGoal(result.goal.goal->p_odom, result.stamp);
   passGoal();
   CameraObservation observation;
   observation.stamp = result.stamp;

@@ -51,6 +51,7 @@ void GoalFinder::reset() {
   tracker_.reset();
   calibration_.reset();
   head_factor_ = 1.0;
+  placed_ = false;
   looks_.clear();
 }
 
@@ -75,6 +76,8 @@ GoalFrame GoalFinder::look(const GoalView& view) {
   }
   frame.state = tracker_.update(view.stamp, view.odom_from_base, frame.sightings, could_see);
   frame.goal = tracker_.goal();
+  frame.observed = frame.goal && (frame.state == GoalTracker::State::kSeen || placed_);
+  placed_ = false;
   if (!frame.goal) {  // the next one has a head of its own
     calibration_.reset();
     head_factor_ = 1.0;
@@ -124,7 +127,7 @@ void GoalFinder::placeBySurfaces(const Pose2& odom_from_base, const LaserScan& s
   const Eigen::Vector2d aside(-along.y(), along.x());
   const double along_m = calibration_.params().body_sigma_m;
   const double aside_m = calibration_.params().half_width_m;
-  tracker_.place(
+  placed_ = tracker_.place(
       odom_from_base.position() + *range_m * along,
       along_m * along_m * along * along.transpose() + aside_m * aside_m * aside * aside.transpose());
 }

@@ -142,19 +142,20 @@ void GoalTracker::doubt(double sigma_m) {
   if (goal_) goal_->goal.covariance_m2 += sigma_m * sigma_m * Eigen::Matrix2d::Identity();
 }
 
-void GoalTracker::place(const Eigen::Vector2d& p_odom, const Eigen::Matrix2d& covariance_m2) {
-  if (!goal_) return;
+bool GoalTracker::place(const Eigen::Vector2d& p_odom, const Eigen::Matrix2d& covariance_m2) {
+  if (!goal_) return false;
   TrackedGoal& goal = goal_->goal;
   // It does not depend on the head's size, which all sightings so far had in common.
   const Eigen::Matrix2d prior = goal.covariance_m2 + goal_->common_odom_m2;
   const Eigen::Vector2d gap = p_odom - goal.p_odom;
   const Eigen::Matrix2d inverse = (prior + covariance_m2).inverse();
-  if (gap.dot(inverse * gap) > params_.gate_sigma * params_.gate_sigma) return;
+  if (gap.dot(inverse * gap) > params_.gate_sigma * params_.gate_sigma) return false;
   const Eigen::Matrix2d gain = prior * inverse;
   const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - gain;
   goal.p_odom += gain * gap;
   goal.covariance_m2 = rest * prior * rest.transpose() + gain * covariance_m2 * gain.transpose();
   goal_->common_odom_m2.setZero();
+  return true;
 }
 
 std::optional<TrackedGoal> GoalTracker::goal() const {

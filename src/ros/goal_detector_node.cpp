@@ -176,8 +176,7 @@ void GoalDetectorNode::process(const CameraFrame& frame) {
 
 void GoalDetectorNode::publish(const CameraFrame& frame, const GoalFrame& goal) {
   detections_pub_.publish(detectionsMessage(frame, goal.detections));
-  if (goal.state == GoalTracker::State::kSeen && goal.goal)
-    observed_pub_.publish(observedMessage(*goal.goal, params_.intake.base.odom_frame));
+  if (goal.observed) observed_pub_.publish(observedMessage(*goal.goal, params_.intake.base.odom_frame));
   if (debug_pub_.getNumSubscribers() > 0 && !frame.bgr.empty()) publishDebugImage(frame, goal);
 }
 

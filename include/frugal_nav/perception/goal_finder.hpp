@@ -37,6 +37,7 @@ struct GoalFrame {
   std::vector<HeadSighting> sightings;  ///< one for each detection
   GoalTracker::State state = GoalTracker::State::kNone;
   std::optional<TrackedGoal> goal;
+  bool observed = false;  ///< the goal was seen in this image, or its feet in the last one
   std::optional<std::size_t> goal_detection;  ///< which of them the goal was seen by; set while kSeen
 };
 
@@ -77,6 +78,7 @@ class GoalFinder {
   void calibrate(const HeadSighting& head, const LaserScan& surfaces);
   void placeBySurfaces(const Pose2& odom_from_base, const LaserScan& surfaces);
 
+  bool placed_ = false;     ///< by its feet, since the last image
   std::deque<Look> looks_;  ///< the last images that surfaces may tell more of
 };
 

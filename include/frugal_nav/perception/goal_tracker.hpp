@@ -93,8 +93,9 @@ class GoalTracker {
   State state() const { return state_; }
   /// The goal while it is kSeen or kUnseen.
   std::optional<TrackedGoal> goal() const;
-  /// A place of the goal from elsewhere than a head, with its covariance; one too far off is ignored.
-  void place(const Eigen::Vector2d& p_odom, const Eigen::Matrix2d& covariance_m2);
+  /// A place of the goal from elsewhere than a head, with its covariance. False for one too far off, which is
+  /// ignored.
+  bool place(const Eigen::Vector2d& p_odom, const Eigen::Matrix2d& covariance_m2);
   /// What it was told so far may be off by this standard deviation: later sightings count more.
   void doubt(double sigma_m);
   /// Forgets everything.

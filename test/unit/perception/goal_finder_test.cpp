@@ -155,6 +155,8 @@ TEST_F(GoalFinding, PlacesAGoalTooNearToBeInViewByItsFeet) {
   }
   const GoalFrame found = frame();
   EXPECT_EQ(found.state, State::kUnseen);
+  EXPECT_TRUE(found.observed);
+  EXPECT_FALSE(frame().observed);  // no surfaces since
   ASSERT_TRUE(found.goal);
   EXPECT_NEAR(found.goal->p_odom.x(), 2.75, 0.05);
   EXPECT_NEAR(found.goal->p_odom.y(), 0.583, 0.05);
