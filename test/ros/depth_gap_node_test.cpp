@@ -59,11 +59,10 @@ class DepthGapNodeTest : public testing::Test {
 
 TEST_F(DepthGapNodeTest, EachImageHasAGapAnObstacleAndAScan) {
   for (int i = 0; i < 5; ++i) ASSERT_NE(show(board_), nullptr);
-  const ros::Time now = graph_.clock.now();
-  const Obstacle* obstacle = test::answerAt(obstacles_, now);
-  const Gap* gap = test::answerAt(gaps_, now);
-  const sensor_msgs::LaserScan* scan = test::answerAt(scans_, now);
-  ASSERT_TRUE(obstacle != nullptr && gap != nullptr && scan != nullptr);
+  const Obstacle* obstacle = &obstacles_.messages.back();
+  const Gap* gap = test::answerAt(gaps_, graph_.clock.now());
+  const sensor_msgs::LaserScan* scan = test::answerAt(scans_, graph_.clock.now());
+  ASSERT_TRUE(gap != nullptr && scan != nullptr);
   EXPECT_EQ(obstacles_.messages.size(), 5U);
   EXPECT_EQ(gap->header.frame_id, "odom");
   EXPECT_EQ(scan->header.frame_id, "base_link");
