@@ -69,7 +69,8 @@ void ObstacleMemory::insert(const LaserScan& scan, const NearestObstacle& obstac
 }
 
 /// How far each ray shows free space: to a standard deviation before its hit, and no farther than a hit
-/// beside it that is less than a cell away, lest rays that graze an edge wear it off.
+/// beside it that is less than a cell away, lest rays that graze an edge wear it off. A hit so near that its
+/// foot is out of view shows none: its distance is a guess.
 std::vector<double> ObstacleMemory::clearLengths(const LaserScan& scan, double longest_m) const {
   const std::size_t beams = scan.ranges_m.size();
   std::vector<double> lengths(beams, 0.0);
@@ -80,7 +81,9 @@ std::vector<double> ObstacleMemory::clearLengths(const LaserScan& scan, double l
       sure[i] = scan.ranges_m[i] * (1.0 - params_.sigma_share) - params_.sigma_m;
     else if (kind == Return::kTooClose)
       sure[i] = 0.0;
-    if (kind == Return::kHit || kind == Return::kFree) lengths[i] = std::min(sure[i], longest_m);
+    const bool is_guess = kind == Return::kHit && scan.ranges_m[i] < static_cast<float>(params_.clear_from_m);
+    if (!is_guess && (kind == Return::kHit || kind == Return::kFree))
+      lengths[i] = std::min(sure[i], longest_m);
   }
   for (std::size_t i = 0; i < beams; ++i) {
     if (classify(scan, scan.ranges_m[i]) != Return::kHit) continue;
@@ -122,8 +125,8 @@ bool ObstacleMemory::isKnown(const Eigen::Vector2d& robot, const Eigen::Vector2d
                              double range_m) const {
   if (range_m > params_.clear_from_m) return false;
   const Eigen::Vector2d along = one_metre_on - robot;
-  const double spread_m = params_.near_share * range_m;
-  for (double r = range_m - spread_m; r <= range_m + spread_m; r += 0.5 * grid_.cell_m()) {
+  const double from_m = (1.0 - params_.near_share) * range_m;
+  for (double r = from_m; r <= range_m + params_.near_beyond_m; r += 0.5 * grid_.cell_m()) {
     if (grid_.state(grid_.cellOf(robot + r * along)) == RollingGrid::State::kOccupied) return true;
   }
   return false;

@@ -22,6 +22,7 @@ struct ObstacleMemoryParams {
   double largest_sigma_m = 0.25;
   double clear_from_m = 1.2;
   double near_share = 0.35;
+  double near_beyond_m = 0.6;
   double person_radius_m = 0.40;
   double person_range_share = 0.10;
 
@@ -49,9 +50,10 @@ struct ObstacleMemoryParams {
                 0.0, 5.0});
     visit("near_share", near_share,
           Field{"",
-                "a hit within clear_from_m is that of a remembered obstacle whose range differs by at most "
-                "this share, and marks nothing: without its foot in view a thing's distance is a guess",
+                "a hit within clear_from_m, where no foot is in view, is a guess: it marks nothing where the "
+                "same ray holds a remembered obstacle, nearer by at most this share",
                 0.0, 1.0});
+    visit("near_beyond_m", near_beyond_m, Field{"m", "or farther by at most this", 0.0, 3.0});
     visit("person_radius_m", person_radius_m,
           Field{"m", "hits this near to the person who is the goal are the person's", 0.0, 2.0});
     visit("person_range_share", person_range_share,
