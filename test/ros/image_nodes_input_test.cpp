@@ -7,6 +7,7 @@
 #include <memory>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
@@ -199,11 +200,19 @@ TYPED_TEST(ImageNodesInput, SilentCameraIsNamed) {
   this->expectRecovery("no image on");
 }
 
+TEST(GoalDetectorNode, ANetworkOfAnotherKindEndsItWithItsName) {
+  const std::string file = std::string(FRUGAL_NAV_SOURCE_DIR) + "/models/depth_small.onnx";
+  const test::ProgramResult result =
+      test::runProgram("goal_detector_node", "__name:=goal_detector_alone _model_file:=" + file);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.output, testing::AllOf(testing::HasSubstr("FATAL"), testing::HasSubstr(file)));
+}
+
 }  // namespace
 }  // namespace frugal_nav
 
 int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
+  testing::InitGoogleMock(&argc, argv);
   ros::init(argc, argv, "image_nodes_input_test");
   ros::NodeHandle nh;  // keeps ROS running between the tests
   return RUN_ALL_TESTS();
