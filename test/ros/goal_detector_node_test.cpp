@@ -84,8 +84,8 @@ TEST_F(GoalDetectorNodeTest, GoalIsWhereTheFaceIs) {
   ASSERT_NE(found, nullptr);
   const PoseWithCovarianceStamped& goal = observed_.messages.back();
   EXPECT_EQ(goal.header.frame_id, "odom");
-  // Z = f H / h, ahead of the robot, which looks along odom's y; the robot's head_height_m is 0.233.
-  const double ahead_m = 532.0 * 0.233 / found->detections[0].height;
+  // Z = f H / h, ahead of the robot, which looks along odom's y; the robot's head_height_m is 0.232.
+  const double ahead_m = 532.0 * 0.232 / found->detections[0].height;
   EXPECT_NEAR(goal.pose.pose.position.x, 1.0, 0.05);
   EXPECT_NEAR(goal.pose.pose.position.y, 2.0 + ahead_m, 0.05);
   EXPECT_GT(goal.pose.covariance[7], goal.pose.covariance[0]);  // the distance is the less sure
