@@ -17,6 +17,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include <frugal_nav/eval/statistics.hpp>
+#include <frugal_nav/eval/trajectory_metrics.hpp>
 #include <frugal_nav/eval/view_truth.hpp>
 #include <frugal_nav/eval/visual_drive.hpp>
 #include <frugal_nav/perception/depth_choice.hpp>
@@ -175,7 +176,24 @@ class DepthSuite : public SuiteWithOptions<DepthOptions> {
     return measure(trial, place, distance_m, recording, vo_frame, fused_frame, visual);
   }
 
-  /// Over the frames for which visual odometry gave a scale.
+  /// True and estimated places of the frames that visual odometry tracked.
+  static std::vector<PosePair> trackedPoses(const Rows& rows) {
+    std::vector<PosePair> pairs;
+    for (const Json& row : rows) {
+      if (row["vo_state"] != text(VisualState::kTracking)) continue;
+      PosePair pair;
+      for (int k = 0; k < 3; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        pair.reference.translation()[k] = row["true_m"][i].get<double>();
+        pair.estimate.translation()[k] = row["vo_m"][i].get<double>();
+      }
+      pairs.push_back(pair);
+    }
+    return pairs;
+  }
+
+  /// Over the frames for which visual odometry gave a scale; visual odometry itself over those it tracked,
+  /// after a similarity transform.
   static Json summariseRecording(const Rows& rows) {
     std::map<std::string, std::vector<double>> errors;
     for (const Json& row : rows) {
@@ -186,6 +204,11 @@ class DepthSuite : public SuiteWithOptions<DepthOptions> {
     Json summary;
     for (const char* key : {"rel_network", "rel_median", "rel_fused"})
       summary[key] = orNull(mean(errors[key]));
+    const std::vector<PosePair> tracked = trackedPoses(rows);
+    const auto alignment = align(tracked, AlignmentKind::kSimilarity);
+    summary["vo_tracked"] =
+        rows.empty() ? Json() : Json(static_cast<double>(tracked.size()) / static_cast<double>(rows.size()));
+    summary["vo_ate_m"] = alignment ? Json(absoluteError(tracked, *alignment).rmse) : Json();
     const std::size_t scaled = errors["rel_fused"].size();
     summary["frames"] = rows.size();
     summary["share_with_scale"] =

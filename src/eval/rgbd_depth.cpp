@@ -175,6 +175,10 @@ Rows measureRgbd(const RgbdRecording& recording, DepthNetwork& network, const De
     row["rel_fused"] = fused.empty() ? Json() : orNull(relativeError(atFullSize(fused), truth_m));
     row["vo_points"] = visual.points.size();
     row["vo_state"] = text(visual.status.state);
+    const Eigen::Vector3d truth = recording.world_from_camera[i].translation();
+    const Eigen::Vector3d estimate = visual.odom_from_camera.translation();
+    row["true_m"] = {truth.x(), truth.y(), truth.z()};
+    row["vo_m"] = {estimate.x(), estimate.y(), estimate.z()};
     rows.push_back(row);
   }
   return rows;
