@@ -12,6 +12,8 @@ namespace {
 
 // Images whose surfaces may still come: the pipeline is a few images behind at most.
 constexpr std::size_t kAwaited = 8;
+// Feet seen in two images that lie nearer to each other are the same.
+constexpr double kSameFeet_m = 0.15;
 // A factor that differs by less is the same.
 constexpr double kSameFactor = 0.02;
 
@@ -52,6 +54,7 @@ void GoalFinder::reset() {
   calibration_.reset();
   head_factor_ = 1.0;
   placed_ = false;
+  p_odom_feet_.reset();
   looks_.clear();
 }
 
@@ -121,15 +124,21 @@ void GoalFinder::placeBySurfaces(const Pose2& odom_from_base, const LaserScan& s
   const double bearing_rad = std::atan2(p_base.y(), p_base.x());
   const std::optional<double> range_m =
       bodyRange(bearing_rad, p_base.norm(), surfaces, calibration_.params());
-  if (!range_m) return;
+  if (!range_m || !standsFree(bearing_rad, *range_m, surfaces, calibration_.params())) {
+    p_odom_feet_.reset();
+    return;
+  }
   const double yaw_rad = odom_from_base.yaw_rad + bearing_rad;
   const Eigen::Vector2d along(std::cos(yaw_rad), std::sin(yaw_rad));
+  const Eigen::Vector2d p_odom = odom_from_base.position() + *range_m * along;
+  const bool agrees = p_odom_feet_ && (p_odom - *p_odom_feet_).norm() < kSameFeet_m;
+  p_odom_feet_ = p_odom;
+  if (!agrees) return;  // one image may mistake something else for them
   const Eigen::Vector2d aside(-along.y(), along.x());
   const double along_m = calibration_.params().body_sigma_m;
   const double aside_m = calibration_.params().half_width_m;
   placed_ = tracker_.place(
-      odom_from_base.position() + *range_m * along,
-      along_m * along_m * along * along.transpose() + aside_m * aside_m * aside * aside.transpose());
+      p_odom, along_m * along_m * along * along.transpose() + aside_m * aside_m * aside * aside.transpose());
 }
 
 }  // namespace frugal_nav

@@ -26,6 +26,28 @@ std::optional<double> nearestBody(std::vector<double> hits_m) {
 
 }  // namespace
 
+bool standsFree(double bearing_rad, double range_m, const LaserScan& surfaces,
+                const HeadCalibrationParams& params) {
+  constexpr double kInner = 1.5;  // half widths from the middle, within which the air beside it is looked for
+  constexpr double kOuter = 3.0;
+  constexpr double kBehind_m = 0.4;
+  const double half_rad = std::atan2(params.half_width_m, range_m);
+  for (const double side : {-1.0, 1.0}) {
+    int beams = 0;
+    int free = 0;
+    for (std::size_t i = 0; i < surfaces.ranges_m.size(); ++i) {
+      const double off_rad = side * angleBetween(bearing_rad, surfaces.angleOf(i));
+      if (off_rad < kInner * half_rad || off_rad > kOuter * half_rad) continue;
+      const Return kind = classify(surfaces, surfaces.ranges_m[i]);
+      ++beams;
+      free += kind == Return::kFree ||
+              (kind == Return::kHit && static_cast<double>(surfaces.ranges_m[i]) > range_m + kBehind_m);
+    }
+    if (beams == 0 || 2 * free <= beams) return false;
+  }
+  return true;
+}
+
 HeadCalibration::HeadCalibration(const HeadCalibrationParams& params) : params_(params) {
   validate(params, "head calibration");
 }

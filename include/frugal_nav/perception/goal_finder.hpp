@@ -78,8 +78,9 @@ class GoalFinder {
   void calibrate(const HeadSighting& head, const LaserScan& surfaces);
   void placeBySurfaces(const Pose2& odom_from_base, const LaserScan& surfaces);
 
-  bool placed_ = false;     ///< by its feet, since the last image
-  std::deque<Look> looks_;  ///< the last images that surfaces may tell more of
+  bool placed_ = false;                         ///< by its feet, since the last image
+  std::optional<Eigen::Vector2d> p_odom_feet_;  ///< where they were seen in the last image
+  std::deque<Look> looks_;                      ///< the last images that surfaces may tell more of
 };
 
 }  // namespace frugal_nav

@@ -51,6 +51,10 @@ struct HeadCalibrationParams {
 std::optional<double> bodyRange(double bearing_rad, double range_m, const LaserScan& surfaces,
                                 const HeadCalibrationParams& params);
 
+/// Whether what stands at a bearing and range has air to both sides: a wall has not, nor what the view cuts.
+bool standsFree(double bearing_rad, double range_m, const LaserScan& surfaces,
+                const HeadCalibrationParams& params);
+
 /// How large one person's head is over what is assumed, from where the same person's feet stand. The error of
 /// an assumed size is the same in all images: averaging does not remove it, this does.
 class HeadCalibration {

@@ -162,6 +162,19 @@ TEST_F(GoalFinding, PlacesAGoalTooNearToBeInViewByItsFeet) {
   EXPECT_NEAR(found.goal->p_odom.y(), 0.583, 0.05);
 }
 
+TEST_F(GoalFinding, DoesNotTakeAWallForTheGoalsFeet) {
+  for (int i = 0; i < 3; ++i) frame();
+  view_.odom_from_base.x_m = 1.0;
+  view_.bgr.setTo(cv::Scalar::all(100));
+  for (int i = 0; i < 20; ++i) {
+    frame();
+    LaserScan wall = bodyAt(view_.stamp, 0.0, 1.7);
+    std::fill(wall.ranges_m.begin(), wall.ranges_m.end(), 1.7F);
+    finder_.addSurfaces(wall);
+  }
+  EXPECT_NEAR(frame().goal->p_odom.x(), 2.5, 1e-6);
+}
+
 TEST_F(GoalFinding, DoesNotTakeAnotherThingForTheGoalsFeet) {
   for (int i = 0; i < 3; ++i) frame();
   view_.odom_from_base.x_m = 1.0;
