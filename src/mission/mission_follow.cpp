@@ -117,7 +117,13 @@ bool Mission::hearsLocalPlanner(Stamp now) const {
 /// Whether the base is told to move now.
 bool Mission::isCommanded(Stamp now) const {
   if (!isCamera()) return local_ && local_->holds != MotionCommand::Holds::kNothing;
-  if (base_) return !base_->velocity.isZero() && toSeconds(now - base_->stamp) < params_.input_timeout_s;
+  if (base_) {  // by so much that a robot which is not held leaves its place
+    constexpr double kFactor = 2.0;
+    const ProgressParams& progress = params_.progress;
+    const bool moves = std::abs(base_->velocity.v_mps) > kFactor * progress.stall_m / progress.stall_s ||
+                       std::abs(base_->velocity.w_radps) > kFactor * progress.stall_rad / progress.stall_s;
+    return moves && toSeconds(now - base_->stamp) < params_.input_timeout_s;
+  }
   return path_ && path_->found && path_->stamp >= goal_start_ && path_->remaining_m > params_.xy_aim_m;
 }
 

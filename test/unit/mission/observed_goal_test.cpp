@@ -226,6 +226,16 @@ TEST_F(FollowTest, TakesNoCollisionStopForAHit) {
   EXPECT_EQ(output.status.phase, MissionPhase::kDriving);
 }
 
+TEST_F(FollowTest, TakesNoCreepBeforeAnObstacleForAHit) {
+  see({5.0, 0.0});
+  MissionOutput output;
+  for (int i = 0; i < 110; ++i) {  // 5 mm/s: 2 cm in 4 s are no displacement
+    driver_.mission.setBaseCommand({0.005, 0.0}, stampFromSeconds(driver_.time_s));
+    output = run(0.05, Vec(5.0, 0.0));
+  }
+  EXPECT_EQ(output.status.phase, MissionPhase::kDriving);
+}
+
 MissionParams alignFirst() {
   MissionParams params = cameraParams();
   params.align_first = true;
