@@ -221,6 +221,7 @@ Twist2 Mission::align(const Odometry& odometry) {
                                        seconds(params_.align_timeout_s) + ": the turn is held up");
     return {};
   }
+  if (isBlind(odometry.stamp)) return {};
   // Aims well inside the tolerance, so that braking does not leave it.
   if (std::abs(error_rad) <= 0.5 * params_.yaw_tolerance_rad) {
     if (standing(odometry)) finish(MissionPhase::kReached, "goal reached");

@@ -79,6 +79,7 @@ void Mission::startFollowing(const Eigen::Vector2d& p_odom_person, Stamp stamp) 
 
 Twist2 Mission::face(const Odometry& odometry) {
   if (lostGoal(odometry)) return {};
+  if (isBlind(odometry.stamp)) return {};
   const double bearing_rad = bearingTo(odometry.odom_from_base, observed_.person());
   const AlignmentStep step = alignment_.updateBearing(odometry.stamp, params_.observed.view_rad, bearing_rad);
   const bool late = toSeconds(odometry.stamp - activity_start_) >= params_.align_timeout_s;
@@ -113,6 +114,9 @@ bool Mission::hearsLocalPlanner(Stamp now) const {
   const std::optional<Stamp>& last = isCamera() ? last_path_ : last_local_;
   return last && toSeconds(now - *last) <= params_.input_timeout_s;
 }
+
+/// Whether the camera that must guard a turn on the spot has fallen silent.
+bool Mission::isBlind(Stamp now) const { return isCamera() && !hearsLocalPlanner(now); }
 
 /// Whether the base is told to move now.
 bool Mission::isCommanded(Stamp now) const {

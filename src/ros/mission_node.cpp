@@ -61,6 +61,7 @@ MissionNode::MissionNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   observed_sub_ = nh.subscribe("goal/observed", 1, &MissionNode::onObserved, this, hints);
   base_command_sub_ = nh.subscribe("cmd_vel_stamped", 10, &MissionNode::onBaseCommand, this, hints);
   simple_goal_sub_ = nh.subscribe("move_base_simple/goal", 1, &MissionNode::onSimpleGoal, this);
+  cancel_sub_ = nh.subscribe("move_base/cancel", 5, &MissionNode::onCancelAll, this);
   manual_service_ = pnh.advertiseService("set_manual", &MissionNode::onSetManual, this);
   timer_ = nh.createTimer(ros::Duration(kCheckPeriod_s), [this](const ros::TimerEvent&) { onTimer(); });
   tuning_ = tuneLive<MissionNodeParams>(pnh, params_, [this](const MissionNodeParams& wanted) {
@@ -99,6 +100,14 @@ void MissionNode::onGoal(GoalHandle handle) {
 
 void MissionNode::onCancel(GoalHandle handle) {
   if (!goal_handle_ || *goal_handle_ != handle) return;
+  mission_.cancel();
+  publishStatus();
+  reportEnds();
+}
+
+/// The action server knows only goals that came by it: "cancel all" ends following and searching too.
+void MissionNode::onCancelAll(const GoalId& id) {
+  if (!id.id.empty() || goal_handle_) return;
   mission_.cancel();
   publishStatus();
   reportEnds();

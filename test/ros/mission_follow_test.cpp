@@ -77,6 +77,25 @@ TEST_F(MissionFollowTest, TakesGoalsOfMoveBaseToo) {
   EXPECT_NEAR(graph_.goal->x_m, 1.0, 1e-9);
 }
 
+TEST_F(MissionFollowTest, CancelsWhatItFollowsThoughNoClientAskedForIt) {
+  ros::Publisher cancel_pub = nh_.advertise<actionlib_msgs::GoalID>("move_base/cancel", 1);
+  ASSERT_TRUE(test::waitForSubscriber(cancel_pub));
+  ASSERT_TRUE(graph_.stepUntil([this] {
+    see(9.0, 4.0);
+    return isDriving();
+  }));
+  cancel_pub.publish(actionlib_msgs::GoalID());
+  ASSERT_TRUE(graph_.stepUntil([this] {
+    see(9.0, 4.0);
+    return graph_.states.back().state == MissionState::STATE_CANCELLED;
+  }));
+  for (int i = 0; i < 10; ++i) {  // nor does it start again by itself
+    see(9.0, 4.0);
+    ASSERT_TRUE(graph_.step());
+    EXPECT_FALSE(isDriving());
+  }
+}
+
 }  // namespace
 }  // namespace frugal_nav
 

@@ -141,6 +141,7 @@ class Mission {
   bool isCamera() const { return params_.drive_mode == "camera"; }
   void startFollowing(const Eigen::Vector2d& p_odom_person, Stamp stamp);
   bool lostGoal(const Odometry& odometry);
+  bool isBlind(Stamp now) const;
   bool isCommanded(Stamp now) const;
   bool arrived(const Odometry& odometry);
   bool standing(const Odometry& odometry) const;

@@ -56,10 +56,12 @@ class MissionNode {
   MissionNode& operator=(const MissionNode&) = delete;
 
  private:
+  using GoalId = move_base_msgs::MoveBaseActionGoal::_goal_id_type;
   using GoalHandle = actionlib::ActionServer<move_base_msgs::MoveBaseAction>::GoalHandle;
 
   void onGoal(GoalHandle handle);
   void onCancel(GoalHandle handle);
+  void onCancelAll(const GoalId& id);
   void onSimpleGoal(const geometry_msgs::PoseStamped& goal);
   void onObserved(const geometry_msgs::PoseWithCovarianceStamped& msg);
   void onBaseCommand(const geometry_msgs::TwistStamped& msg);
@@ -108,6 +110,7 @@ class MissionNode {
   ros::Subscriber path_reason_sub_;
   ros::Subscriber command_sub_;
   ros::Subscriber simple_goal_sub_;
+  ros::Subscriber cancel_sub_;
   ros::Subscriber observed_sub_;
   ros::Subscriber base_command_sub_;
   ros::ServiceServer manual_service_;

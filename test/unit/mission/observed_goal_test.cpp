@@ -262,6 +262,16 @@ TEST_F(AlignFirstTest, FacesThePersonBeforeItDrives) {
   EXPECT_NEAR(driver_.odometry.odom_from_base.yaw_rad, std::atan2(2.0, 4.0), 0.036 + 0.05 * 0.2);
 }
 
+TEST_F(AlignFirstTest, DoesNotTurnBlind) {
+  see({4.0, 2.0});
+  EXPECT_GT(driver_.stepObeying().command.value().w_radps, 0.0);
+  driver_.feed_path = false;
+  MissionOutput output;
+  for (int i = 0; i < 30; ++i) output = driver_.stepObeying();  // 1.5 s, longer than input_timeout_s
+  EXPECT_EQ(output.status.mode, Mode::kAligning);
+  EXPECT_EQ(output.command.value().w_radps, 0.0);
+}
+
 TEST(Follow, IsOffByDefault) {
   MissionDriver driver;
   driver.step();
