@@ -8,6 +8,8 @@ namespace {
 
 // Hits this much beyond a moving object's radius are its own: limbs, and the noise of its middle.
 constexpr double kMovingMargin_m = 0.20;
+// No guess is nearer than the truth by more than this share of itself.
+constexpr double kMostGuess = 0.9;
 // What it left in the memory before it was known to move reaches about this far beyond its radius.
 constexpr double kTrailMargin_m = 0.15;
 
@@ -47,6 +49,7 @@ void ObstacleMemory::insert(const LaserScan& scan, const NearestObstacle& obstac
     const double angle = scan.angleOf(beam);
     return odom_from_base * Eigen::Vector2d(range_m * std::cos(angle), range_m * std::sin(angle));
   };
+  std::vector<Eigen::Vector2d> hits;  // marked after all were judged: they must not vouch for each other
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const Return kind = classify(scan, scan.ranges_m[i]);
     if (kind != Return::kHit && kind != Return::kTooClose) continue;
@@ -54,12 +57,14 @@ void ObstacleMemory::insert(const LaserScan& scan, const NearestObstacle& obstac
     const Eigen::Vector2d p = endOf(i, range_m);
     if (range_m <= longest_m && !isPerson(p, robot, p_odom_person) && !isMoving(p) &&
         !isKnown(robot, endOf(i, 1.0), range_m))
-      grid_.mark(p);
+      hits.push_back(p);
   }
   const Eigen::Vector2d to_nearest = obstacle.p_odom - robot;
-  if (obstacle.found && !isPerson(obstacle.p_odom, robot, p_odom_person) && !isMoving(obstacle.p_odom) &&
-      !isKnown(robot, robot + to_nearest.normalized(), to_nearest.norm()))
-    markNearest(obstacle);
+  const bool has_nearest = obstacle.found && !isPerson(obstacle.p_odom, robot, p_odom_person) &&
+                           !isMoving(obstacle.p_odom) &&
+                           !isKnown(robot, robot + to_nearest.normalized(), to_nearest.norm());
+  for (const Eigen::Vector2d& p : hits) grid_.mark(p);
+  if (has_nearest) markNearest(obstacle);
   const std::vector<double> clear_m = clearLengths(scan, longest_m);
   for (std::size_t i = 0; i < clear_m.size(); ++i) {
     const double near_m = std::min(clear_m[i], params_.clear_from_m);
@@ -125,8 +130,8 @@ bool ObstacleMemory::isKnown(const Eigen::Vector2d& robot, const Eigen::Vector2d
                              double range_m) const {
   if (range_m > params_.clear_from_m) return false;
   const Eigen::Vector2d along = one_metre_on - robot;
-  const double from_m = (1.0 - params_.near_share) * range_m;
-  for (double r = from_m; r <= range_m + params_.near_beyond_m; r += 0.5 * grid_.cell_m()) {
+  const double to_m = range_m + std::min(params_.near_beyond_m, kMostGuess * range_m);
+  for (double r = (1.0 - params_.near_share) * range_m; r <= to_m; r += 0.5 * grid_.cell_m()) {
     if (grid_.state(grid_.cellOf(robot + r * along)) == RollingGrid::State::kOccupied) return true;
   }
   return false;
@@ -165,13 +170,7 @@ bool ObstacleMemory::isMoving(const Eigen::Vector2d& p_odom) const {
 }
 
 bool ObstacleMemory::isStanding(const Eigen::Vector2d& p_odom) const {
-  const Cell centre = grid_.cellOf(p_odom);
-  for (int y = centre.y - 1; y <= centre.y + 1; ++y) {
-    for (int x = centre.x - 1; x <= centre.x + 1; ++x) {
-      if (grid_.certainty({x, y}) > params_.standing_certainty) return true;
-    }
-  }
-  return false;
+  return grid_.certainty(grid_.cellOf(p_odom)) > params_.standing_certainty;
 }
 
 }  // namespace frugal_nav

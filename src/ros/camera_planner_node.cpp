@@ -65,18 +65,21 @@ void CameraPlannerNode::onObserved(const geometry_msgs::PoseWithCovarianceStampe
   time_.checkStamp("goal/observed", toStamp(msg.header.stamp));
   diagnostics_.input("goal/observed").received(toStamp(msg.header.stamp), toStamp(ros::Time::now()));
   p_odom_person_ = Eigen::Vector2d(p.x, p.y);
+  person_seen_ = toStamp(msg.header.stamp);
 }
 
 /// The person who is the goal: one who was seen where the goal leads to.
-std::optional<Eigen::Vector2d> CameraPlannerNode::personAt(const std::optional<Pose2>& odom_from_goal) const {
+std::optional<Eigen::Vector2d> CameraPlannerNode::personAt(const std::optional<Pose2>& odom_from_goal,
+                                                           Stamp now) const {
   if (!odom_from_goal || !p_odom_person_) return std::nullopt;
+  if (toSeconds(now - person_seen_) > params_.person_memory_s) return std::nullopt;
   const double away_m = (odom_from_goal->position() - *p_odom_person_).norm();
   return away_m <= params_.person_near_goal_m ? p_odom_person_ : std::nullopt;
 }
 
 void CameraPlannerNode::process(const CameraObservation& observation) {
   const std::optional<Pose2> goal = goal_.goal();
-  planner_.setGoal(goal, personAt(goal));
+  planner_.setGoal(goal, personAt(goal, observation.stamp));
   const ros::WallTime start = ros::WallTime::now();
   const CameraPlan plan = planner_.update(observation);
   diagnostics_.set("time of a plan [ms]", (ros::WallTime::now() - start).toSec() * 1e3);

@@ -16,7 +16,7 @@ namespace frugal_nav {
 struct ObstacleMemoryParams {
   RollingGridParams grid{10.0, 0.05, 2, 1, 16, 30.0, 3.5};
   ObstacleTrackerParams tracker;
-  int standing_certainty = 8;
+  int standing_certainty = 12;
   double sigma_m = 0.03;
   double sigma_share = 0.03;
   double largest_sigma_m = 0.25;
@@ -35,7 +35,7 @@ struct ObstacleMemoryParams {
         Field{
             "",
             "a place more certain than this holds something that stands: nothing seen there moves, and what "
-            "walks by does not wipe it out",
+            "walks by does not wipe it out; above what a slow walker leaves before it is known to move",
             0, 120});
     visit("sigma_m", sigma_m,
           Field{"m", "noise of a range: what lies this near before a hit is not taken for free", 0.0, 1.0});

@@ -36,15 +36,16 @@ struct RollingGridParams {
               "certainty a cell loses in a scan that looks through it; a quarter of hit_gain keeps thin legs "
               "that every fourth scan hits",
               1, 100});
-    visit("max_certainty", max_certainty,
-          Field{"", "certainty saturates here: twelve scans through it forget the longest seen obstacle", 1,
-                120});
+    visit(
+        "max_certainty", max_certainty,
+        Field{"",
+              "certainty saturates here: so many times miss_loss, and the longest seen obstacle is forgotten",
+              1, 120});
     visit("memory_s", memory_s,
           Field{"s", "a cell that leaves the view is remembered this long; short, since odometry drifts", 0.1,
                 3600.0});
     visit("max_range_m", max_range_m,
-          Field{"m", "rays longer than this neither mark nor clear beyond it; the RPLIDAR A1's range", 0.5,
-                100.0});
+          Field{"m", "rays longer than this neither mark nor clear beyond it", 0.5, 100.0});
   }
   /// Names fields that contradict each other; empty when sound.
   std::string check() const;

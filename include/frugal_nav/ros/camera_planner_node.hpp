@@ -29,7 +29,7 @@ class CameraPlannerNode {
   void onObserved(const geometry_msgs::PoseWithCovarianceStamped& msg);
   void process(const CameraObservation& observation);
   void forget(Stamp now);
-  std::optional<Eigen::Vector2d> personAt(const std::optional<Pose2>& odom_from_goal) const;
+  std::optional<Eigen::Vector2d> personAt(const std::optional<Pose2>& odom_from_goal, Stamp now) const;
   void report(const CameraPlan& plan);
   void show(const CameraPlan& plan);
 
@@ -40,6 +40,7 @@ class CameraPlannerNode {
   TimeJumpWatch time_;
   GoalIntake goal_;
   std::optional<Eigen::Vector2d> p_odom_person_;
+  Stamp person_seen_{};
   ros::Time last_grid_;
   ros::Publisher path_pub_;
   ros::Publisher grid_pub_;

@@ -48,6 +48,7 @@ struct CameraPlannerNodeParams {
   IntakeParams intake;
   double input_wait_s = 0.3;
   double person_near_goal_m = 1.3;
+  double person_memory_s = 60.0;
   double grid_period_s = 0.5;
   CameraPlannerParams planner;
 
@@ -65,6 +66,8 @@ struct CameraPlannerNodeParams {
                 "a person on goal/observed this near to mission/goal is the goal and no obstacle; above the "
                 "mission's stand-off of 0.8 m",
                 0.0, 10.0});
+    visit("person_memory_s", person_memory_s,
+          Field{"s", "for how long after the last word of goal/observed", 0.0, 36000.0});
     visit("grid_period_s", grid_period_s,
           Field{"s", "time between two publications of the grid, only while someone listens", 0.05, 60.0});
     planner.fields(visit);
