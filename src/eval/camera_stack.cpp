@@ -80,6 +80,7 @@ void adapt(CameraStackParams& params, double speed_mps, double rate_hz) {
   BaseTimeouts& timeouts = params.base.timeouts;
   for (double* timeout_s : {&timeouts.path_s, &timeouts.obstacle_s, &timeouts.depth_scan_s})
     *timeout_s = std::max(*timeout_s, oldest_s);
+  params.tracker.confirm_within_s = std::max(params.tracker.confirm_within_s, oldest_s);
   params.mission.input_timeout_s = std::max(params.mission.input_timeout_s, oldest_s);
   params.base.path.cruise_mps = speed_mps;
   params.planner.right_of_way.cruise_mps = speed_mps;

@@ -17,13 +17,14 @@ constexpr double kSameFeet_m = 0.15;
 // A factor that differs by less is the same.
 constexpr double kSameFactor = 0.02;
 
-/// The sound sighting nearest to the goal.
+/// The sound sighting of the goal's class that is nearest to it.
 std::optional<std::size_t> nearestSighting(const GoalFrame& frame, const Pose2& odom_from_base) {
   std::optional<std::size_t> nearest;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
-    if (frame.sightings[i].status != HeadSighting::Status::kGood) continue;
-    const double off_m = (odom_from_base * frame.sightings[i].p_base - frame.goal->p_odom).norm();
+    const HeadSighting& sighting = frame.sightings[i];
+    if (sighting.status != HeadSighting::Status::kGood || sighting.class_id != frame.goal->class_id) continue;
+    const double off_m = (odom_from_base * sighting.p_base - frame.goal->p_odom).norm();
     if (off_m >= nearest_m) continue;
     nearest_m = off_m;
     nearest = i;
@@ -86,9 +87,12 @@ GoalFrame GoalFinder::look(const GoalView& view) {
     head_factor_ = 1.0;
     looks_.clear();
   }
-  if (frame.state == GoalTracker::State::kUnseen && !could_see)
+  if (looks_.size() >= kAwaited) looks_.pop_front();
+  if (frame.state == GoalTracker::State::kUnseen && !could_see) {
     looks_.push_back({view.stamp, view.odom_from_base, std::nullopt});
-  if (looks_.size() > kAwaited) looks_.pop_front();
+    return frame;
+  }
+  p_odom_feet_.reset();
   if (frame.state != GoalTracker::State::kSeen) return frame;
   frame.goal_detection = nearestSighting(frame, view.odom_from_base);
   if (!frame.goal_detection) return frame;

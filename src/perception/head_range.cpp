@@ -5,6 +5,11 @@
 #include <frugal_nav/perception/head_range.hpp>
 
 namespace frugal_nav {
+namespace {
+
+constexpr double kHalfPerson_m = 0.3;  // half the width of a whole person, where the box holds one
+
+}  // namespace
 
 /// A box on the plane at distance one: centre (x, y) and height h, with their derivatives by the box's centre
 /// column, top and bottom.
@@ -114,7 +119,8 @@ bool HeadRange::couldSee(const Eigen::Vector2d& p_base, double above_floor_m) co
     const Eigen::Vector3d p = optical_from_base * Eigen::Vector3d(p_base.x(), p_base.y(), above);
     if (!(p.z() > 0.0)) return false;
     // The width of the head stands in the image's plane, whatever its bearing.
-    for (const double aside : {-half, half}) {
+    const double half_width = std::min(half, kHalfPerson_m);
+    for (const double aside : {-half_width, half_width}) {
       const auto pixel = camera_.project(p + Eigen::Vector3d(aside, 0.0, 0.0));
       const bool inside = pixel && pixel->x() > slack && pixel->x() < camera_.width_px - 1 - slack &&
                           pixel->y() > slack && pixel->y() < camera_.height_px - 1 - slack;

@@ -129,6 +129,8 @@ void DepthGapNode::onGoal(const geometry_msgs::PoseWithCovarianceStamped& msg) {
     return;
   }
   diagnostics_.input(kGoal).received(stamp, toStamp(ros::Time::now()));
+  constexpr double kSeenHeightVariance_m2 = 0.1;  // above it the head was not in this image
+  goal.seen = covariance[14] < kSeenHeightVariance_m2;
   goal_ = Goal{stamp, goal};
 }
 
@@ -142,7 +144,7 @@ bool DepthGapNode::hasPoints(const CameraFrame& frame) const {
 std::optional<KnownGoal> DepthGapNode::goalAt(Stamp stamp) const {
   if (!goal_ || std::abs(toSeconds(stamp - goal_->stamp)) > params_.goal_memory_s) return std::nullopt;
   KnownGoal goal = goal_->goal;
-  goal.seen = goal_->stamp == stamp;
+  goal.seen = goal.seen && goal_->stamp == stamp;
   return goal;
 }
 

@@ -56,8 +56,11 @@ Detection2DArray detectionsMessage(const CameraFrame& frame, const std::vector<D
 }
 
 /// The goal's place; which way a person looks is not known.
-geometry_msgs::PoseWithCovarianceStamped observedMessage(const TrackedGoal& goal, const std::string& frame) {
+/// While only its feet are seen, the height is that of an earlier image: its variance says so.
+geometry_msgs::PoseWithCovarianceStamped observedMessage(const TrackedGoal& goal, bool is_seen,
+                                                         const std::string& frame) {
   constexpr double kHeightVariance_m2 = 0.01;
+  constexpr double kUnseenHeightVariance_m2 = 1.0;
   constexpr double kUnknownAngle_rad2 = M_PI * M_PI;
   geometry_msgs::PoseWithCovarianceStamped msg;
   msg.header.stamp = toRos(goal.stamp);
@@ -70,7 +73,7 @@ geometry_msgs::PoseWithCovarianceStamped observedMessage(const TrackedGoal& goal
   covariance[0] = goal.covariance_m2(0, 0);
   covariance[1] = covariance[6] = goal.covariance_m2(0, 1);
   covariance[7] = goal.covariance_m2(1, 1);
-  covariance[14] = kHeightVariance_m2;
+  covariance[14] = is_seen ? kHeightVariance_m2 : kUnseenHeightVariance_m2;
   covariance[21] = covariance[28] = covariance[35] = kUnknownAngle_rad2;
   return msg;
 }
@@ -176,7 +179,10 @@ void GoalDetectorNode::process(const CameraFrame& frame) {
 
 void GoalDetectorNode::publish(const CameraFrame& frame, const GoalFrame& goal) {
   detections_pub_.publish(detectionsMessage(frame, goal.detections));
-  if (goal.observed) observed_pub_.publish(observedMessage(*goal.goal, params_.intake.base.odom_frame));
+  if (goal.observed) {
+    const bool is_seen = goal.state == GoalTracker::State::kSeen;
+    observed_pub_.publish(observedMessage(*goal.goal, is_seen, params_.intake.base.odom_frame));
+  }
   if (debug_pub_.getNumSubscribers() > 0 && !frame.bgr.empty()) publishDebugImage(frame, goal);
 }
 
