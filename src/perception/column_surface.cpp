@@ -106,8 +106,17 @@ void dropBetween(const DepthScanParams& params, std::vector<ColumnSurface>& surf
   const auto far = static_cast<float>(params.max_range_m);
   std::vector<float> ranges;
   for (const ColumnSurface& surface : surfaces) {
-    const bool is_hit = surface.state == ColumnSurface::State::kHit;
-    ranges.push_back(is_hit ? std::min(surface.p_base.norm(), far) : far);
+    switch (surface.state) {
+      case ColumnSurface::State::kHit:
+        ranges.push_back(std::min(surface.p_base.norm(), far));
+        break;
+      case ColumnSurface::State::kFree:
+        ranges.push_back(far);
+        break;
+      case ColumnSurface::State::kUnknown:  // neither near nor far: no hit beside it is doubted
+        ranges.push_back(kNaN);
+        break;
+    }
   }
   const int count = static_cast<int>(surfaces.size());
   for (int column = kReach; column + kReach < count; ++column) {
