@@ -1,0 +1,340 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <frugal_nav/common/random.hpp>
+#include <frugal_nav/localization/pose_filter.hpp>
+
+namespace frugal_nav {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+Stamp at(double seconds) { return stampFromSeconds(100.0 + seconds); }
+
+PoseFix fixAt(const Pose2& pose, double sigma = 0.02) {
+  PoseFix fix;
+  fix.map_from_base = pose;
+  fix.covariance = Eigen::Vector3d(sigma * sigma, sigma * sigma, sigma * sigma).asDiagonal();
+  return fix;
+}
+
+LandmarkSighting sightingOf(const Eigen::Vector2d& p_map, double range_m, double bearing_rad) {
+  LandmarkSighting sighting;
+  sighting.p_map = p_map;
+  sighting.range_m = range_m;
+  sighting.bearing_rad = bearing_rad;
+  sighting.covariance.diagonal() << 0.01, 0.001;
+  return sighting;
+}
+
+/// Encoders at 50 Hz and gyro at 100 Hz of a steady twist, from one time to another [s].
+void drive(PoseFilter& filter, double from_s, double to_s, const Twist2& twist, double gyro_bias = 0.0) {
+  const int last = static_cast<int>(std::lround(100.0 * to_s));
+  for (int i = static_cast<int>(std::lround(100.0 * from_s)); i <= last; ++i) {
+    const Stamp now = at(0.01 * i);
+    if (i % 2 == 0) filter.addEncoders(now, twist, now);
+    filter.addGyro(now, twist.w_radps + gyro_bias, now);
+  }
+}
+
+TEST(PoseFilter, TellsNothingBeforeTheFirstFix) {
+  PoseFilter filter{PoseFilterParams{}};
+  EXPECT_FALSE(filter.estimate());
+  drive(filter, 0.0, 1.0, {0.3, 0.0});
+  EXPECT_EQ(filter.addSighting(at(1.0), sightingOf({2.0, 0.0}, 2.0, 0.0), at(1.0)), FilterStatus::kNoFix);
+  EXPECT_FALSE(filter.estimate());
+  EXPECT_FALSE(filter.estimateAt(at(1.0)));
+  EXPECT_EQ(filter.addPose(at(1.0), fixAt({5.0, 6.0, 1.0}), at(1.0)), FilterStatus::kUsed);
+  ASSERT_TRUE(filter.estimate());
+  EXPECT_NEAR(filter.estimate()->map_from_base.x_m, 5.0, 1e-12);
+  EXPECT_NEAR(filter.estimate()->covariance(0, 0), 0.02 * 0.02, 1e-12);
+  EXPECT_FALSE(filter.estimateAt(at(0.9)));
+}
+
+TEST(PoseFilter, FollowsWheelsAndGyro) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({0.0, 0.0, 0.0}), at(0.0));
+  drive(filter, 0.0, 2.0, {0.5, M_PI_4});
+  const Pose2 expected = arcMotion({0.5, M_PI_4}, 2.0);
+  const PoseEstimate estimate = *filter.estimate();
+  EXPECT_NEAR(estimate.map_from_base.x_m, expected.x_m, 1e-9);
+  EXPECT_NEAR(estimate.map_from_base.y_m, expected.y_m, 1e-9);
+  EXPECT_NEAR(estimate.map_from_base.yaw_rad, M_PI_2, 1e-9);
+  EXPECT_EQ(estimate.source, MotionSource::kTwistAndGyro);
+}
+
+TEST(PoseFilter, ReadingsOfChangingRatesAreAveraged) {
+  // A rate that grows evenly turns by half its end times the time; taken to hold between the readings of
+  // 100 Hz it would be 0.005 rad less.
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({0.0, 0.0, 0.0}), at(0.0));
+  for (int i = 0; i <= 100; ++i) filter.addGyro(at(0.01 * i), 0.01 * i, at(0.01 * i));
+  EXPECT_NEAR(filter.estimate()->map_from_base.yaw_rad, 0.5, 1e-9);
+}
+
+TEST(PoseFilter, LearnsTheGyrosBiasWhileTheWheelsStand) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({0.0, 0.0, 0.0}), at(0.0));
+  drive(filter, 0.0, 5.0, {0.0, 0.0}, 0.03);
+  // 4.7 s of a gyro of 0.002 rad/sqrt(s) leave 0.002 / sqrt(4.7) = 0.0009 rad/s, and 5 % of the prior's pull.
+  EXPECT_NEAR(filter.estimate()->gyro_bias_radps, 0.03, 1e-4);
+  // The body turned by the bias only until the wheels were believed to stand: 0.3 s.
+  EXPECT_LT(std::abs(filter.estimate()->map_from_base.yaw_rad), 0.03 * 0.35);
+}
+
+TEST(PoseFilter, ATurnWithStandingWheelsIsNoBias) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({0.0, 0.0, 0.0}), at(0.0));
+  for (int i = 0; i <= 100; ++i) {
+    if (i % 2 == 0) filter.addEncoders(at(0.01 * i), {0.0, 0.0}, at(0.01 * i));
+    filter.addGyro(at(0.01 * i), 0.5, at(0.01 * i));  // someone turns the robot
+  }
+  EXPECT_NEAR(filter.estimate()->map_from_base.yaw_rad, 0.5, 1e-9);
+  EXPECT_EQ(filter.estimate()->gyro_bias_radps, 0.0);
+}
+
+TEST(PoseFilter, PosesTeachTheBiasWhileDriving) {
+  PoseFilter filter{PoseFilterParams{}};
+  for (int second = 0; second < 20; ++second) {
+    filter.addPose(at(second), fixAt(arcMotion({0.3, 0.2}, second)), at(second));
+    drive(filter, second, second + 0.99, {0.3, 0.2}, 0.02);
+  }
+  // Headings of 0.02 rad over 20 s: 0.02 * sqrt(12) / (20 * sqrt(20)) = 0.0008 rad/s.
+  EXPECT_NEAR(filter.estimate()->gyro_bias_radps, 0.02, 0.0025);
+}
+
+TEST(PoseFilter, SightingsTeachScaleAndRateBias) {
+  PoseFilterParams params;
+  params.estimate_scale = params.estimate_rate_bias = true;
+  PoseFilter filter{params};
+  Pose2 truth;
+  filter.addPose(at(0.0), fixAt(truth), at(0.0));
+  for (int i = 0; i <= 3000; ++i) {
+    const Stamp now = at(0.02 * i);
+    filter.addEncoders(now, {0.3, 0.21}, now);  // rolls 10 % farther than told, turns 0.01 rad/s slower
+    if (i > 0) truth = truth * arcMotion({0.33, 0.20}, 0.02);
+    for (const Eigen::Vector2d& p : {Eigen::Vector2d(4.0, 1.0), Eigen::Vector2d(-3.0, 3.0)}) {
+      if (i % 10 == 0)
+        filter.addSighting(now, sightingOf(p, (p - truth.position()).norm(), bearingTo(truth, p)), now);
+    }
+  }
+  EXPECT_NEAR(filter.estimate()->scale, 1.1, 0.01);
+  EXPECT_NEAR(filter.estimate()->rate_bias_radps, 0.01, 0.003);
+  EXPECT_LT(distance(filter.estimate()->map_from_base, truth), 0.02);
+}
+
+/// What one arrival hands to the filter.
+struct Arrival {
+  double received_s = 0.0;
+  std::function<FilterStatus(PoseFilter&)> hand_over;
+};
+
+/// A drive with noisy poses and sightings, among them two that the gate refuses, in the order of arrival.
+std::vector<Arrival> recordedDrive(double delay_s) {
+  std::vector<Arrival> arrivals;
+  Random random(500001);
+  for (int i = 0; i <= 300; ++i) {
+    const double t = 0.01 * i;
+    const Pose2 truth = arcMotion({0.4, 0.3}, t);
+    if (i % 2 == 0) {
+      const Twist2 twist{0.4 + random.normal(0.02), 0.3};
+      arrivals.push_back({t, [=](PoseFilter& f) { return f.addEncoders(at(t), twist, at(t)); }});
+    }
+    const double rate = 0.3 + random.normal(0.02);
+    arrivals.push_back({t, [=](PoseFilter& f) { return f.addGyro(at(t), rate, at(t)); }});
+    if (i % 20 == 0) {
+      const double wrong = i == 100 || i == 220 ? 3.0 : 0.0;
+      const PoseFix fix = fixAt({truth.x_m + random.normal(0.02) + wrong, truth.y_m, truth.yaw_rad});
+      const double late = i == 0 ? t : t + delay_s;
+      arrivals.push_back({late, [=](PoseFilter& f) { return f.addPose(at(t), fix, at(late)); }});
+      const LandmarkSighting seen =
+          sightingOf({3.0, 2.0}, (Eigen::Vector2d(3.0, 2.0) - truth.position()).norm() + random.normal(0.1),
+                     bearingTo(truth, {3.0, 2.0}));
+      arrivals.push_back({late, [=](PoseFilter& f) { return f.addSighting(at(t), seen, at(late)); }});
+    }
+  }
+  std::stable_sort(arrivals.begin(), arrivals.end(),
+                   [](const Arrival& a, const Arrival& b) { return a.received_s < b.received_s; });
+  return arrivals;
+}
+
+TEST(PoseFilter, DelayedMeasurementsEqualUndelayedOnes) {
+  PoseFilter prompt{PoseFilterParams{}};
+  PoseFilter delayed{PoseFilterParams{}};
+  for (const Arrival& arrival : recordedDrive(0.0)) arrival.hand_over(prompt);
+  for (const Arrival& arrival : recordedDrive(0.3)) arrival.hand_over(delayed);
+  EXPECT_EQ(prompt.counts().of(FilterInput::kPose, FilterStatus::kGated), 2U);
+  EXPECT_GT(delayed.counts().late, 20U);
+  const PoseEstimate a = *prompt.estimateAt(at(3.0));
+  const PoseEstimate b = *delayed.estimateAt(at(3.0));
+  EXPECT_EQ(a.map_from_base.x_m, b.map_from_base.x_m);  // the same sums in the same order
+  EXPECT_EQ(a.map_from_base.yaw_rad, b.map_from_base.yaw_rad);
+  EXPECT_EQ(a.covariance, b.covariance);
+  EXPECT_EQ(a.gyro_bias_radps, b.gyro_bias_radps);
+}
+
+TEST(PoseFilter, RefusesWhatIsOlderThanItsHistory) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({}), at(0.0));
+  drive(filter, 0.0, 5.0, {0.3, 0.0});
+  EXPECT_EQ(filter.addPose(at(2.9), fixAt({}), at(5.0)), FilterStatus::kTooOld);
+  EXPECT_EQ(filter.addPose(at(3.1), fixAt({0.93, 0.0, 0.0}), at(5.0)), FilterStatus::kUsed);
+  EXPECT_FALSE(filter.estimateAt(at(2.9)));
+  EXPECT_TRUE(filter.estimateAt(at(3.1)));
+}
+
+TEST(PoseFilter, GatesWhatIsImprobable) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({}), at(0.0));
+  drive(filter, 0.0, 1.0, {0.3, 0.0});
+  const PoseEstimate before = *filter.estimate();
+  EXPECT_EQ(filter.addPose(at(1.0), fixAt({1.3, 0.0, 0.0}), at(1.0)), FilterStatus::kGated);
+  EXPECT_EQ(filter.addPose(at(1.0), fixAt({0.3, 0.0, 0.6}), at(1.0)),
+            FilterStatus::kGated);  // a flipped marker
+  EXPECT_EQ(filter.addSighting(at(1.0), sightingOf({4.0, 0.0}, 3.7, 0.8), at(1.0)), FilterStatus::kGated);
+  EXPECT_EQ(filter.estimate()->map_from_base.x_m, before.map_from_base.x_m);
+  EXPECT_EQ(filter.estimate()->covariance, before.covariance);
+  EXPECT_EQ(filter.addPose(at(1.0), fixAt({0.31, 0.0, 0.0}), at(1.0)), FilterStatus::kUsed);
+}
+
+TEST(PoseFilter, YawInnovationIsWrapped) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({0.0, 0.0, M_PI - 0.01}), at(0.0));
+  EXPECT_EQ(filter.addPose(at(0.1), fixAt({0.0, 0.0, -M_PI + 0.01}), at(0.1)), FilterStatus::kUsed);
+  EXPECT_NEAR(std::abs(filter.estimate()->map_from_base.yaw_rad), M_PI, 0.011);
+}
+
+TEST(PoseFilter, StartsAnewFromPosesThatKeepContradictingIt) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({}), at(0.0));
+  for (int i = 1; i <= 15; ++i) {  // carried away, wheels standing
+    filter.addEncoders(at(0.1 * i), {0.0, 0.0}, at(0.1 * i));
+    const FilterStatus status = filter.addPose(at(0.1 * i), fixAt({4.0, 1.0, 0.0}), at(0.1 * i));
+    EXPECT_EQ(status, i < 15 ? FilterStatus::kGated : FilterStatus::kUsed) << i;
+  }
+  EXPECT_EQ(filter.counts().restarts, 1U);
+  EXPECT_EQ(filter.estimate()->map_from_base.x_m, 4.0);
+}
+
+TEST(PoseFilter, NamesAndCountsBadInput) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({}), at(0.0));
+  drive(filter, 0.0, 0.5, {0.3, 0.0});
+  const PoseEstimate before = *filter.estimate();
+  PoseFix asymmetric = fixAt({0.15, 0.0, 0.0});
+  asymmetric.covariance(0, 1) = 1e-3;
+  PoseFix negative = fixAt({0.15, 0.0, 0.0});
+  negative.covariance(2, 2) = -1e-3;
+
+  const Stamp now = at(0.5);
+  EXPECT_EQ(filter.addEncoders(now, {kNan, 0.0}, now), FilterStatus::kNotFinite);
+  EXPECT_EQ(filter.addGyro(now, kNan, now), FilterStatus::kNotFinite);
+  EXPECT_EQ(filter.addPose(now, fixAt({0.0, kNan, 0.0}), now), FilterStatus::kNotFinite);
+  EXPECT_EQ(filter.addPose(now, fixAt({0.0, 0.0, 0.0}, kNan), now), FilterStatus::kNotFinite);
+  EXPECT_EQ(filter.addPose(now, asymmetric, now), FilterStatus::kBadCovariance);
+  EXPECT_EQ(filter.addPose(now, negative, now), FilterStatus::kBadCovariance);
+  EXPECT_EQ(filter.setPose(now, fixAt({kNan, 0.0, 0.0}), now), FilterStatus::kNotFinite);
+  EXPECT_EQ(filter.addSighting(now, sightingOf({1.0, 0.0}, HUGE_VAL, 0.0), now), FilterStatus::kNotFinite);
+  EXPECT_EQ(filter.addPose(at(0.7), fixAt({0.2, 0.0, 0.0}), now), FilterStatus::kFromFuture);
+  EXPECT_EQ(filter.addGyro(at(9.0), 0.0, now), FilterStatus::kFromFuture);
+
+  EXPECT_EQ(filter.counts().of(FilterInput::kPose, FilterStatus::kNotFinite), 3U);
+  EXPECT_EQ(filter.counts().of(FilterInput::kPose, FilterStatus::kBadCovariance), 2U);
+  EXPECT_EQ(filter.counts().of(FilterInput::kGyro, FilterStatus::kFromFuture), 1U);
+  EXPECT_STREQ(toText(FilterStatus::kFromFuture), "stamp from the future");
+  EXPECT_EQ(filter.estimate()->stamp, before.stamp);
+  EXPECT_EQ(filter.estimate()->covariance, before.covariance);
+}
+
+TEST(PoseFilter, TimeThatJumpsBackStartsItAnew) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(10.0), fixAt({1.0, 2.0, 0.0}), at(10.0));
+  drive(filter, 10.0, 11.0, {0.3, 0.0});
+  filter.addGyro(at(10.95), 0.0, at(10.95));  // overtaken on its way, no jump
+  EXPECT_EQ(filter.counts().time_jumps, 0U);
+  drive(filter, 0.0, 1.0, {0.3, 0.0});
+  EXPECT_EQ(filter.counts().time_jumps, 1U);
+  EXPECT_FALSE(filter.estimate());
+  filter.addPose(at(1.0), fixAt({1.0, 2.0, 0.0}), at(1.0));
+  EXPECT_TRUE(filter.estimate());
+}
+
+TEST(PoseFilter, SurvivesAGapOfFiveSeconds) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({}), at(0.0));
+  drive(filter, 0.0, 1.0, {0.3, 0.0});
+  const PoseEstimate after = *filter.estimateAt(at(6.0));
+  EXPECT_EQ(after.source, MotionSource::kNone);
+  // Believed for the time-out of 0.25 s; then 0.5 m/sqrt(s) each way for 4.75 s.
+  EXPECT_NEAR(after.map_from_base.x_m, 0.3 * 1.25, 1e-9);
+  EXPECT_NEAR(std::sqrt(after.covariance(0, 0)), 0.5 * std::sqrt(4.75), 0.02);
+  EXPECT_NEAR(std::sqrt(after.covariance(1, 1)), 0.5 * std::sqrt(4.75), 0.02);
+  EXPECT_NEAR(std::sqrt(after.covariance(2, 2)), 0.5 * std::sqrt(4.75), 0.02);
+  drive(filter, 6.0, 6.5, {0.3, 0.0});
+  EXPECT_EQ(filter.addPose(at(6.5), fixAt({1.8, 0.4, 0.3}), at(6.5)), FilterStatus::kUsed);
+  EXPECT_NEAR(filter.estimate()->map_from_base.y_m, 0.4, 0.01);
+}
+
+TEST(PoseFilter, GoesOnWithoutTheGyro) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({}), at(0.0));
+  for (int i = 0; i <= 100; ++i) filter.addEncoders(at(0.02 * i), {0.3, 0.5}, at(0.02 * i));
+  EXPECT_EQ(filter.estimate()->source, MotionSource::kTwistOnly);
+  EXPECT_NEAR(filter.estimate()->map_from_base.yaw_rad, 1.0, 1e-9);
+  EXPECT_NEAR(filter.estimate()->map_from_base.x_m, arcMotion({0.3, 0.5}, 2.0).x_m, 1e-9);
+}
+
+TEST(PoseFilter, GoesOnWithTheGyroAlone) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({}), at(0.0));
+  for (int i = 0; i <= 200; ++i) filter.addGyro(at(0.01 * i), 0.5, at(0.01 * i));
+  const PoseEstimate estimate = *filter.estimate();
+  EXPECT_EQ(estimate.source, MotionSource::kGyroOnly);
+  EXPECT_NEAR(estimate.map_from_base.yaw_rad, 1.0, 1e-9);
+  EXPECT_EQ(estimate.map_from_base.x_m, 0.0);
+  EXPECT_GT(std::sqrt(estimate.covariance(1, 1)), 0.5);  // it may have driven anywhere
+  EXPECT_LT(std::sqrt(estimate.covariance(2, 2)), 0.06);
+}
+
+TEST(PoseFilter, SwitchedOffInputsAreRefused) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.setEnabled(FilterInput::kPose, false);
+  EXPECT_EQ(filter.addPose(at(0.0), fixAt({}), at(0.0)), FilterStatus::kDisabled);
+  EXPECT_EQ(filter.setPose(at(0.0), fixAt({}), at(0.0)), FilterStatus::kUsed);  // that is not a measurement
+  filter.setEnabled(FilterInput::kPose, true);
+  EXPECT_EQ(filter.addPose(at(0.1), fixAt({}), at(0.1)), FilterStatus::kUsed);
+  filter.setEnabled(FilterInput::kGyro, false);
+  drive(filter, 0.1, 1.0, {0.3, 0.0});
+  EXPECT_EQ(filter.estimate()->source, MotionSource::kTwistOnly);
+}
+
+TEST(PoseFilter, TakesTheTwistOfItsSourceOnly) {
+  PoseFilterParams params;
+  params.twist_source = "command";
+  PoseFilter filter{params};
+  filter.addPose(at(0.0), fixAt({}), at(0.0));
+  EXPECT_EQ(filter.addEncoders(at(0.0), {1.0, 0.0}, at(0.0)), FilterStatus::kDisabled);
+  EXPECT_EQ(filter.addCommand(at(0.0), {0.5, 0.0}, at(0.0)), FilterStatus::kUsed);
+  filter.addCommand(at(0.2), {0.0, 0.0}, at(0.2));  // a command holds until the next: 0.5 m/s for 0.2 s
+  EXPECT_NEAR(filter.estimate()->map_from_base.x_m, 0.1, 1e-12);
+}
+
+TEST(PoseFilter, SetPoseMovesTheRobotAndKeepsTheBiases) {
+  PoseFilter filter{PoseFilterParams{}};
+  drive(filter, 0.0, 5.0, {0.0, 0.0}, 0.03);
+  EXPECT_EQ(filter.setPose(at(5.0), fixAt({7.0, -3.0, 2.0}), at(5.0)), FilterStatus::kUsed);
+  const PoseEstimate estimate = *filter.estimate();
+  EXPECT_EQ(estimate.map_from_base.x_m, 7.0);
+  EXPECT_NEAR(estimate.gyro_bias_radps, 0.03, 1e-4);
+  // A pose from before, come late, changes nothing.
+  filter.addPose(at(4.9), fixAt({0.0, 0.0, 0.0}), at(5.0));
+  EXPECT_EQ(filter.estimate()->map_from_base.x_m, 7.0);
+}
+
+}  // namespace
+}  // namespace frugal_nav
