@@ -2,6 +2,7 @@
 #include "detector_suite.hpp"
 #include "lidar_suite.hpp"
 #include "localization_suite.hpp"
+#include "markers_suite.hpp"
 #include "odometry_suite.hpp"
 #include "pipeline_suite.hpp"
 #include "success_suite.hpp"
@@ -14,8 +15,8 @@ const std::map<std::string, SuiteFactory>& suites() {
   static const std::map<std::string, SuiteFactory> kSuites = {
       {"depth", makeDepthSuite},       {"detector", makeDetectorSuite},
       {"lidar", makeLidarSuite},       {"localization", makeLocalizationSuite},
-      {"odometry", makeOdometrySuite}, {"pipeline", makePipelineSuite},
-      {"success", makeSuccessSuite},
+      {"markers", makeMarkersSuite},   {"odometry", makeOdometrySuite},
+      {"pipeline", makePipelineSuite}, {"success", makeSuccessSuite},
   };
   return kSuites;
 }

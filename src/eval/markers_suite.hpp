@@ -1,0 +1,12 @@
+#pragma once
+
+#include <memory>
+
+#include <frugal_nav/eval/suite.hpp>
+
+namespace frugal_nav::eval {
+
+/// The localization filter on recorded robots that saw landmarks.
+std::unique_ptr<Suite> makeMarkersSuite();
+
+}  // namespace frugal_nav::eval
