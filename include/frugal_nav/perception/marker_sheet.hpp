@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include <frugal_nav/perception/marker_dictionary.hpp>
+
+namespace frugal_nav {
+
+/// A paper's size.
+struct PaperSize {
+  double width_mm = 210.0;
+  double height_mm = 297.0;
+};
+
+/// A page in SVG with one marker in true size, white around it, and its dictionary, id and side under it with
+/// a ruler to check the print. Throws ConfigError when the id is not the dictionary's or the marker, with a
+/// white border of 17 % of its side, does not fit the paper.
+std::string markerSheet(const MarkerDictionary& dictionary, int id, double size_m, const PaperSize& paper);
+
+}  // namespace frugal_nav

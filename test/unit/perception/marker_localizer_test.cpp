@@ -1,0 +1,241 @@
+#include "marker_view.hpp"
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include <frugal_nav/perception/marker_detector.hpp>
+#include <frugal_nav/perception/marker_localizer.hpp>
+
+namespace frugal_nav {
+namespace {
+
+using Status = MarkerFix::Status;
+using Use = MarkerSighting::Use;
+
+/// Four markers of two sizes on the wall x = 4, all facing -x, the last one turned a little.
+MarkerMap wallMap() {
+  return parseMarkerMap(R"(
+size_m: 0.20
+markers:
+  - {id: 0, position: [4.0, 0.6, 0.5], rpy: [1.5707963, 0.0, -1.5707963]}
+  - {id: 1, position: [4.0, -0.5, 0.9], rpy: [1.5707963, 0.0, -1.5707963]}
+  - {id: 2, size_m: 0.15, position: [4.0, 0.1, 0.4], rpy: [1.5707963, 0.0, -1.5707963]}
+  - {id: 3, position: [3.7, -0.9, 0.6], rpy: [1.5707963, 0.0, -2.2]}
+)",
+                        "wall");
+}
+
+MarkerMap only(std::set<int> ids) {
+  MarkerMap map = wallMap();
+  for (int id = 0; id < 4; ++id) {
+    if (ids.count(id) == 0) map.markers.erase(id);
+  }
+  return map;
+}
+
+/// A camera 0.3 m over the floor that looks ahead and 5 degrees up.
+Eigen::Isometry3d mounted() {
+  Eigen::Matrix3d base_from_level;
+  base_from_level << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::AngleAxisd(-5.0 * M_PI / 180.0, Eigen::Vector3d::UnitY()) * base_from_level;
+  pose.translation() = Eigen::Vector3d(0.12, 0.02, 0.3);
+  return pose;
+}
+
+Eigen::Isometry3d cameraAt(const Pose2& map_from_base) {
+  Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
+  base.translation() = Eigen::Vector3d(map_from_base.x_m, map_from_base.y_m, 0.0);
+  base.linear() = Eigen::AngleAxisd(map_from_base.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return base * mounted();
+}
+
+/// Where the camera sees the corners of all markers of a map, with noise.
+std::vector<MarkerCorners> seen(const MarkerMap& map, const Pinhole& camera, const Pose2& map_from_base,
+                                double sigma_px, Random& random) {
+  std::vector<MarkerCorners> markers;
+  const Eigen::Isometry3d camera_from_map = cameraAt(map_from_base).inverse();
+  for (const auto& [id, marker] : map.markers) {
+    MarkerCorners corners;
+    corners.id = id;
+    for (std::size_t i = 0; i < 4; ++i) {
+      corners.pixels[i] = *camera.project(camera_from_map * marker.map_from_marker * marker.corners()[i]);
+      if (sigma_px > 0.0)
+        corners.pixels[i] += Eigen::Vector2d(random.normal(sigma_px), random.normal(sigma_px));
+    }
+    markers.push_back(corners);
+  }
+  return markers;
+}
+
+Eigen::Vector3d difference(const Pose2& from, const Pose2& to) {
+  return {to.x_m - from.x_m, to.y_m - from.y_m, angleBetween(from.yaw_rad, to.yaw_rad)};
+}
+
+MarkerLocalizer localizer(const MarkerMap& map, const MarkerLocalizerParams& params = {}) {
+  return MarkerLocalizer(params, map, test::bentCamera(), mounted());
+}
+
+TEST(MarkerLocalizer, IsExactOnExactCorners) {
+  Random random(500020);
+  for (int trial = 0; trial < 30; ++trial) {
+    const Pose2 truth{random.uniform(1.0, 2.2), random.uniform(-0.4, 0.4), random.uniform(-0.15, 0.15)};
+    const MarkerFix fix =
+        localizer(wallMap()).locate(seen(wallMap(), test::bentCamera(), truth, 0.0, random));
+    ASSERT_TRUE(fix.isGood()) << toText(fix.status);
+    EXPECT_LT(difference(fix.map_from_base, truth).norm(), 1e-5);
+    EXPECT_LT(fix.image_error_px, 1e-3);
+    EXPECT_EQ(fix.sightings.size(), 4U);
+  }
+}
+
+// Whole chain on pictures. Corners to 0.25 px (MarkerDetector's test) of sides of 25 px and more, at up to
+// three metres: a single marker's range is good to 0.25 px / 25 px * 3 m = 3 cm and its bearing to 0.25 px /
+// 530 px; several of them better.
+TEST(MarkerLocalizer, FindsTheRobotInAPicture) {
+  Random random(500021);
+  test::MarkerLight light;
+  light.noise = 4.0;
+  const MarkerMap map = wallMap();
+  MarkerDetectorParams params;
+  params.dictionary = map.dictionary;
+  const MarkerDetector detector(params, map.whitelist);
+  for (int trial = 0; trial < 8; ++trial) {
+    const Pose2 truth{random.uniform(0.9, 1.8), random.uniform(-0.3, 0.3), random.uniform(-0.1, 0.1)};
+    const auto found = detector.detect(viewOf(map, test::bentCamera(), cameraAt(truth), light, random));
+    ASSERT_GE(found.markers.size(), 3U) << "trial " << trial;
+    const MarkerFix fix = localizer(map).locate(found.markers);
+    ASSERT_TRUE(fix.isGood()) << toText(fix.status);
+    const Eigen::Vector3d error = difference(fix.map_from_base, truth);
+    EXPECT_LT(error.head<2>().norm(), 0.03) << "trial " << trial;
+    EXPECT_LT(std::abs(error.z()), 0.5 * M_PI / 180.0) << "trial " << trial;
+  }
+}
+
+// NEES of 400 draws with 3 degrees of freedom: mean 3, standard deviation of the mean sqrt(6 / 400) = 0.12.
+// The floor is exact here while the covariance expects it to be soft, which takes up to the share of it that
+// the floor decides: hence a wide floor, and a bound of 0.5.
+TEST(MarkerLocalizer, CovarianceIsThatOfTheCornersNoise) {
+  Random random(500022);
+  MarkerLocalizerParams params;
+  params.height_sigma_m = 5.0;
+  params.tilt_sigma_deg = 60.0;
+  const Pose2 truth{1.5, 0.2, -0.05};
+  const MarkerLocalizer localize = localizer(wallMap(), params);
+  constexpr int kTrials = 400;
+  double sum = 0.0;
+  double correlation = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const MarkerFix fix = localize.locate(seen(wallMap(), test::bentCamera(), truth, 0.3, random));
+    ASSERT_TRUE(fix.isGood()) << toText(fix.status);
+    const Eigen::Vector3d error = difference(fix.map_from_base, truth);
+    sum += error.dot(fix.covariance.ldlt().solve(error));
+    correlation = fix.covariance(1, 2) / std::sqrt(fix.covariance(1, 1) * fix.covariance(2, 2));
+  }
+  EXPECT_NEAR(sum / kTrials, 3.0, 0.5);
+  // Turned to the left the markers move to the right, as they do for a robot farther left: y up, yaw down.
+  EXPECT_LT(correlation, -0.8);
+}
+
+TEST(MarkerLocalizer, SeveralMarkersTellMoreThanOne) {
+  Random random(500023);
+  const Pose2 truth{1.5, 0.0, 0.0};
+  const MarkerFix all =
+      localizer(wallMap()).locate(seen(wallMap(), test::bentCamera(), truth, 0.1, random), truth);
+  const MarkerFix one =
+      localizer(only({0})).locate(seen(only({0}), test::bentCamera(), truth, 0.1, random), truth);
+  ASSERT_TRUE(all.isGood()) << toText(all.status);
+  ASSERT_TRUE(one.isGood()) << toText(one.status);
+  EXPECT_LT(all.covariance.determinant(), 1e-2 * one.covariance.determinant());
+}
+
+// A single small marker seen from nearly ahead: the two solutions fit alike. Alone it must not be believed,
+// with the odometry's word it must be right, and other markers settle it without any.
+TEST(MarkerLocalizer, NeverTakesAFlipForTheRobot) {
+  Random random(500024);
+  int undecided = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Pose2 truth{random.uniform(0.0, 1.5), random.uniform(-1.0, 1.0), 0.0};
+    const Pose2 ahead{truth.x_m, truth.y_m, std::atan2(0.1 - truth.y_m, 4.0 - truth.x_m)};
+    const MarkerLocalizer localize = localizer(only({2}));
+    const auto corners = seen(only({2}), test::bentCamera(), ahead, 0.3, random);
+    const MarkerFix alone = localize.locate(corners);
+    const auto yawError = [&](const MarkerFix& fix) {
+      return std::abs(angleBetween(fix.map_from_base.yaw_rad, ahead.yaw_rad));
+    };
+    if (alone.isGood()) {
+      EXPECT_LT(yawError(alone), 0.35) << "trial " << trial;
+    }
+    if (alone.status != Status::kAmbiguous) continue;
+    ++undecided;
+    ASSERT_TRUE(alone.alternative);
+    const Pose2 odometry{ahead.x_m + 0.1, ahead.y_m - 0.1, ahead.yaw_rad + 0.05};
+    const MarkerFix told = localize.locate(corners, odometry);
+    if (told.isGood()) {
+      EXPECT_LT(yawError(told), 0.5) << "trial " << trial;
+    }
+  }
+  EXPECT_GT(undecided, 30);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Pose2 truth{random.uniform(0.5, 1.2), random.uniform(-0.3, 0.3), 0.0};
+    const MarkerFix fix =
+        localizer(only({0, 1, 2})).locate(seen(only({0, 1, 2}), test::bentCamera(), truth, 0.3, random));
+    ASSERT_TRUE(fix.isGood()) << toText(fix.status);
+    EXPECT_LT(std::abs(fix.map_from_base.yaw_rad), 0.1) << "trial " << trial;
+  }
+}
+
+TEST(MarkerLocalizer, LeavesOutAMarkerThatWasMoved) {
+  Random random(500025);
+  const Pose2 truth{1.2, 0.1, 0.0};
+  MarkerMap moved = wallMap();
+  moved.markers.at(1).map_from_marker.translation().y() += 0.3;
+  const MarkerFix fix = localizer(wallMap()).locate(seen(moved, test::bentCamera(), truth, 0.1, random));
+  ASSERT_TRUE(fix.isGood()) << toText(fix.status);
+  EXPECT_LT(difference(fix.map_from_base, truth).norm(), 0.03);
+  for (const MarkerSighting& sighting : fix.sightings)
+    EXPECT_EQ(sighting.use, sighting.corners.id == 1 ? Use::kInconsistent : Use::kUsed)
+        << sighting.corners.id;
+}
+
+TEST(MarkerLocalizer, DoesNotChooseBetweenTwoThatContradictEachOther) {
+  Random random(500026);
+  const Pose2 truth{1.2, 0.1, 0.0};
+  MarkerMap moved = only({0, 1});
+  moved.markers.at(1).map_from_marker.translation().y() += 0.3;
+  EXPECT_EQ(localizer(only({0, 1})).locate(seen(moved, test::bentCamera(), truth, 0.1, random)).status,
+            Status::kInconsistent);
+}
+
+// A marker of 0.15 m where the map says 0.20 m: it looks a third farther away and, well above the camera, a
+// third higher, which puts the robot under the floor.
+TEST(MarkerLocalizer, RefusesAMarkerOfTheWrongSize) {
+  Random random(500027);
+  const Pose2 truth{2.0, -0.5, 0.0};
+  MarkerMap printed = only({1});
+  printed.markers.at(1).size_m = 0.15;
+  const MarkerFix fix =
+      localizer(only({1})).locate(seen(printed, test::bentCamera(), truth, 0.1, random), truth);
+  EXPECT_EQ(fix.status, Status::kOffFloor);
+}
+
+TEST(MarkerLocalizer, UsesNeitherUnknownMarkersNorIdsThatAreThereTwice) {
+  Random random(500028);
+  const Pose2 truth{1.2, 0.1, 0.0};
+  auto corners = seen(only({0, 1}), test::bentCamera(), truth, 0.1, random);
+  corners[1].id = 0;
+  const MarkerFix twice = localizer(wallMap()).locate(corners);
+  EXPECT_EQ(twice.status, Status::kNoMarker);
+  EXPECT_EQ(twice.sightings[0].use, Use::kTwice);
+  EXPECT_EQ(twice.sightings[1].use, Use::kTwice);
+  corners[0].id = 40;
+  const MarkerFix unknown = localizer(wallMap()).locate({corners[0]});
+  EXPECT_EQ(unknown.status, Status::kNoMarker);
+  EXPECT_EQ(unknown.sightings[0].use, Use::kUnmapped);
+  EXPECT_EQ(localizer(wallMap()).locate({}).status, Status::kNoMarker);
+}
+
+}  // namespace
+}  // namespace frugal_nav
