@@ -1,3 +1,4 @@
+#include "depth_drive.hpp"
 #include "node_params.hpp"
 
 #include <algorithm>
@@ -33,24 +34,6 @@ std::optional<KnownGoal> knownGoal(const GoalFrame& frame) {
   goal.seen = frame.state == GoalTracker::State::kSeen;
   if (frame.goal_detection) goal.box_px = frame.detections[*frame.goal_detection].box;
   return goal;
-}
-
-/// The points where the wheels' odom has them: as they lie before the camera, whatever the visual pose.
-std::vector<MetricPoint> metricPoints(const VisualOdometryOutput& visual,
-                                      const Eigen::Isometry3d& odom_from_optical) {
-  std::vector<MetricPoint> points;
-  if (!visual.is_metric) return points;
-  for (const VisualPoint& point : visual.points)
-    points.push_back({{static_cast<float>(point.pixel.x()), static_cast<float>(point.pixel.y())},
-                      odom_from_optical * point.p_camera,
-                      point.sigma_m});
-  return points;
-}
-
-std::optional<cv::Rect> regionOf(const std::optional<NearestObstacle>& obstacle) {
-  if (!obstacle || !obstacle->found || obstacle->width_px <= 0 || obstacle->height_px <= 0)
-    return std::nullopt;
-  return cv::Rect(obstacle->left_px, obstacle->top_px, obstacle->width_px, obstacle->height_px);
 }
 
 }  // namespace
@@ -144,7 +127,7 @@ CameraResult CameraStack::look(const Picture& picture) {
   input.stamp = picture.stamp;
   input.image = picture.bgr;
   input.odom_from_base = toIsometry(result.odom_from_base);
-  input.region = regionOf(nearest_);
+  if (nearest_) input.region = regionOf(*nearest_);
   result.visual = visual_.process(input);
   const double visual_ms = wallTime_ms();
   DepthView view;
@@ -153,7 +136,7 @@ CameraResult CameraStack::look(const Picture& picture) {
   view.camera = camera_;
   view.base_from_optical = base_from_optical_;
   view.odom_from_base = result.odom_from_base;
-  view.points = metricPoints(result.visual, toIsometry(result.odom_from_base) * base_from_optical_);
+  view.points = metricPoints(result.visual, base_from_optical_, result.odom_from_base);
   view.goal = knownGoal(result.goal);
   result.depth = depth_.look(view);
   nearest_ = result.depth.obstacle;

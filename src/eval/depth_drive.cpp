@@ -28,6 +28,11 @@ std::unique_ptr<DepthNetwork> SharedDepthNetwork::answer() const {
   return std::make_unique<Answer>(prediction_, network_->isMetric());
 }
 
+std::optional<cv::Rect> regionOf(const NearestObstacle& obstacle) {
+  if (!obstacle.found || obstacle.width_px <= 0 || obstacle.height_px <= 0) return std::nullopt;
+  return cv::Rect(obstacle.left_px, obstacle.top_px, obstacle.width_px, obstacle.height_px);
+}
+
 std::vector<MetricPoint> metricPoints(const VisualOdometryOutput& output,
                                       const Eigen::Isometry3d& base_from_optical,
                                       const Pose2& odom_from_base) {

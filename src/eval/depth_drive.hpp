@@ -25,6 +25,9 @@ class SharedDepthNetwork {
   std::shared_ptr<DepthPrediction> prediction_;
 };
 
+/// Where an obstacle is seen in the image it was found in.
+std::optional<cv::Rect> regionOf(const NearestObstacle& obstacle);
+
 /// Points of an output as DepthGap takes them: seen from the wheels' pose.
 std::vector<MetricPoint> metricPoints(const VisualOdometryOutput& output,
                                       const Eigen::Isometry3d& base_from_optical,

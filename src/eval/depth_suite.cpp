@@ -162,8 +162,8 @@ class DepthSuite : public SuiteWithOptions<DepthOptions> {
     DepthFrame fused_frame;
     VisualOdometryOutput visual;
     for (const DriveImage& image : recording.images) {
-      visual =
-          odometry.process({image.stamp, image.bgr, toIsometry(image.odom_from_base), regionOf(fused_frame)});
+      visual = odometry.process(
+          {image.stamp, image.bgr, toIsometry(image.odom_from_base), regionOf(fused_frame.obstacle)});
       network.show(image.bgr);
       const DepthView view{
           image.stamp,          image.bgr,
@@ -244,12 +244,6 @@ class DepthSuite : public SuiteWithOptions<DepthOptions> {
     summary["share_vo"] = share(vo);
     summary["share_fused"] = share(fused);
     return summary;
-  }
-
-  static std::optional<cv::Rect> regionOf(const DepthFrame& frame) {
-    const NearestObstacle& o = frame.obstacle;
-    if (!o.found) return std::nullopt;
-    return cv::Rect(o.left_px, o.top_px, o.width_px, o.height_px);
   }
 
   /// Medians over the grid's cells that show the object up to the robot's height: of the truth, as seen by

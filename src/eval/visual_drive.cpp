@@ -138,9 +138,7 @@ VisualDriveResult runVisualOdometry(const DriveRecording& recording, const Visua
     VisualOdometryOutput output = odometry.process(input);
     cloud.add(output.retired);
     tracked += output.status.state == VisualState::kTracking ? 1 : 0;
-    const Eigen::Isometry3d& pose = output.odom_from_base;
-    result.visual.push_back({pose.translation().x(), pose.translation().y(),
-                             std::atan2(pose.linear()(1, 0), pose.linear()(0, 0))});
+    result.visual.push_back(toPose2(output.odom_from_base));
     result.outputs.push_back(std::move(output));
   }
   const double count = static_cast<double>(std::max<std::size_t>(1, recording.images.size()));

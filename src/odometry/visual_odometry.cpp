@@ -38,13 +38,6 @@ Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
 
 }  // namespace
 
-Eigen::Isometry3d toIsometry(const Pose2& pose) {
-  Eigen::Isometry3d lifted = Eigen::Isometry3d::Identity();
-  lifted.linear() = Eigen::AngleAxisd(pose.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  lifted.translation() << pose.x_m, pose.y_m, 0.0;
-  return lifted;
-}
-
 struct VisualOdometry::Impl {
   Impl(const VisualOdometryParams& p, const Pinhole& c, const Eigen::Isometry3d& mount)
       : params(p),

@@ -97,17 +97,10 @@ struct DepthGap::Impl {
     frame.fit = filter.update(view.stamp, samples);
   }
 
-  /// The image on the grid.
-  cv::Mat small(const DepthView& view) const {
-    cv::Mat bgr;
-    cv::resize(view.bgr, bgr, rays->grid(), 0.0, 0.0, cv::INTER_AREA);
-    return bgr;
-  }
-
   /// What the looks say of the floor: by the network where it tells, else by colour.
-  cv::Mat lookForFloor(const DepthView& view, const cv::Mat& probability, const cv::Mat& expected) {
+  cv::Mat lookForFloor(const cv::Mat& small, const cv::Mat& probability, const cv::Mat& expected) {
     if (!probability.empty() && params.use_network_floor) return floorEvidence(probability, params.contact);
-    return floorEvidence(floor.find(small(view), *rays, likelyFloor(expected)), params.contact);
+    return floorEvidence(floor.find(small, *rays, likelyFloor(expected)), params.contact);
   }
 
   /// Where the floor is by the last scale alone; empty while there is none.
@@ -124,14 +117,14 @@ struct DepthGap::Impl {
   }
 
   /// Mends the fitted depth by all that is known in metres, and says how sure it then is.
-  cv::Mat mend(const DepthView& view, const cv::Mat& fitted, const DepthFrame& frame,
+  cv::Mat mend(const DepthView& view, const cv::Mat& small, const cv::Mat& fitted, const DepthFrame& frame,
                const std::vector<DepthAnchor>& remembered, cv::Mat& sigma) const {
     const double network_sigma = params.correction.network_sigma;
     sigma = cv::Mat(fitted.size(), CV_32FC1, cv::Scalar(network_sigma));
     if (fitted.empty() || params.method == "unscaled") return fitted;
     std::vector<DepthAnchor> anchors = voAnchors(view, *rays, params.vo_scale_sigma);
     if (params.method == "fused") {
-      append(contactAnchors(frame.contacts, *rays, small(view)), anchors);
+      append(contactAnchors(frame.contacts, *rays, small), anchors);
       append(remembered, anchors);
     }
     cv::Mat weight;
@@ -219,18 +212,20 @@ struct DepthGap::Impl {
   }
 
   DepthFrame understand(const DepthView& view, const cv::Mat& probability, DepthFrame frame) {
+    cv::Mat small;
+    cv::resize(view.bgr, small, rays->grid(), 0.0, 0.0, cv::INTER_AREA);
     const bool use_geometry = params.method == "fused";
     const std::vector<DepthAnchor> remembered =
         use_geometry ? memory.recall(view.stamp, view.odom_from_base, *rays) : std::vector<DepthAnchor>();
     const cv::Mat expected = use_geometry ? reminded(frame.inverse, filter.fit(), remembered) : cv::Mat();
-    const cv::Mat evidence = lookForFloor(view, probability, expected);
+    const cv::Mat evidence = lookForFloor(small, probability, expected);
     fitMetres(view, floorBefore(evidence, expected), frame);
     const cv::Mat fitted = fittedInverse(frame.inverse, frame.fit);
     frame.contacts = findFloorContacts(evidence, use_geometry ? fitted : cv::Mat(), *rays, params.contact);
     refineContacts(view.bgr, *rays, params.contact, frame.contacts);
     frame.floor = floorOf(frame.contacts, *rays);
     cv::Mat sigma;
-    const cv::Mat mended = mend(view, fitted, frame, remembered, sigma);
+    const cv::Mat mended = mend(view, small, fitted, frame, remembered, sigma);
     if (!mended.empty()) frame.depth_m = depthOf(mended, frame);
     if (use_geometry) memory.update(view.stamp, view.odom_from_base, *rays, frame.contacts);
     frame.surfaces = findSurfaces(mended, sigma, frame.contacts, *rays, params.scan);

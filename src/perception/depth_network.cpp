@@ -25,14 +25,18 @@ cv::Mat mapOf(const cv::Mat& value, const std::string& file) {
   return value.reshape(1, 2, size);
 }
 
+std::string namesOf(const std::vector<NetworkOutput>& outputs) {
+  std::string names;
+  for (const NetworkOutput& output : outputs) names += (names.empty() ? "" : ", ") + output.name;
+  return names;
+}
+
 /// Depth and, where a name is given for it, floor among the outputs.
 DepthPrediction choose(const std::vector<NetworkOutput>& outputs, const std::string& floor_name,
                        const std::string& file) {
   DepthPrediction chosen;
   std::size_t others = 0;
-  std::string names;
   for (const NetworkOutput& output : outputs) {
-    names += (names.empty() ? "" : ", ") + output.name;
     if (!floor_name.empty() && output.name == floor_name) {
       chosen.floor = mapOf(output.value, file);
     } else {
@@ -41,12 +45,12 @@ DepthPrediction choose(const std::vector<NetworkOutput>& outputs, const std::str
     }
   }
   if (!floor_name.empty() && chosen.floor.empty()) {
-    throw ConfigError("network " + file + " has no output " + floor_name + " but " + names +
+    throw ConfigError("network " + file + " has no output " + floor_name + " but " + namesOf(outputs) +
                       ": correct or clear the parameter floor_output");
   }
   if (others != 1) {
-    throw ConfigError("network " + file + " has " + std::to_string(outputs.size()) + " outputs (" + names +
-                      "): " + kWanted + "; name another file in the parameter model");
+    throw ConfigError("network " + file + " has " + std::to_string(outputs.size()) + " outputs (" +
+                      namesOf(outputs) + "): " + kWanted + "; name another file in the parameter model");
   }
   chosen.inverse = mapOf(chosen.inverse, file);
   return chosen;

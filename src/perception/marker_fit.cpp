@@ -1,6 +1,9 @@
 #include "marker_fit.hpp"
 
 #include <cmath>
+#include <limits>
+
+#include <frugal_nav/perception/marker_map.hpp>
 
 namespace frugal_nav::marker_detail {
 namespace {
@@ -69,6 +72,18 @@ void addCorner(const Pinhole& camera, const Eigen::Vector3d& p_optical, const Po
   const Eigen::Matrix<double, 2, 6> pixel_by_motion =
       focal.asDiagonal() * bent.jacobian * flat_by_point * jacobian;
   residuals.add<2>((shown - pixel) / sigma_px, pixel_by_motion / sigma_px);
+}
+
+double imageError(const Pinhole& camera, const MarkerCorners& corners, double size_m,
+                  const Eigen::Isometry3d& camera_from_marker) {
+  const auto points = markerCorners(size_m);
+  double sum_px = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pixel = camera.project(camera_from_marker * points[i]);
+    if (!pixel) return std::numeric_limits<double>::infinity();
+    sum_px += (*pixel - corners.pixels[i]).norm();
+  }
+  return sum_px / 4.0;
 }
 
 }  // namespace frugal_nav::marker_detail

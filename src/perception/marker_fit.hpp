@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include <frugal_nav/common/pinhole.hpp>
+#include <frugal_nav/perception/marker_detector.hpp>
 
 namespace frugal_nav::marker_detail {
 
@@ -42,6 +43,11 @@ PoseFit fitPose(const Eigen::Isometry3d& start,
 /// Adds a corner's residual: p_optical is where it should be, with its derivative by the motion.
 void addCorner(const Pinhole& camera, const Eigen::Vector3d& p_optical, const PointJacobian& jacobian,
                const Eigen::Vector2d& pixel, double sigma_px, Residuals& residuals);
+
+/// Mean distance of a marker's corners from where a pose puts them [px]; infinite where the lens shows
+/// nothing.
+double imageError(const Pinhole& camera, const MarkerCorners& corners, double size_m,
+                  const Eigen::Isometry3d& camera_from_marker);
 
 /// The matrix that makes the cross product with v.
 Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v);

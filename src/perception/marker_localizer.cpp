@@ -16,19 +16,6 @@ using Use = MarkerSighting::Use;
 constexpr double kRadFromDeg = M_PI / 180.0;
 constexpr int kCornerRows = 8;  // residuals of a marker
 
-/// A pose on the floor.
-Eigen::Isometry3d upright(const Pose2& pose) {
-  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
-  result.translation() = Eigen::Vector3d(pose.x_m, pose.y_m, 0.0);
-  result.linear() = Eigen::AngleAxisd(pose.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  return result;
-}
-
-Pose2 planar(const Eigen::Isometry3d& pose) {
-  return {pose.translation().x(), pose.translation().y(),
-          std::atan2(pose.linear()(1, 0), pose.linear()(0, 0))};
-}
-
 /// Covariance of (x, y, yaw) from that of (dt, dr). With c the first column of R, dc = dr x c, and
 /// yaw = atan2(c_y, c_x): d yaw = dr_z - c_z (c_x dr_x + c_y dr_y) / (c_x^2 + c_y^2).
 Eigen::Matrix3d planarCovariance(const Eigen::Isometry3d& pose, const Matrix6d& covariance) {
@@ -123,16 +110,16 @@ MarkerFix MarkerLocalizer::locate(const std::vector<MarkerCorners>& markers,
       errors_px.push_back(sighting.use == Use::kUsed ? imageError(sighting, best.map_from_base) : 0.0);
       sum_px += errors_px.back();
     }
-    fix.map_from_base = planar(best.map_from_base);
+    fix.map_from_base = toPose2(best.map_from_base);
     fix.covariance =
         planarCovariance(best.map_from_base, best.residuals.information.ldlt().solve(Matrix6d::Identity()));
     fix.image_error_px = sum_px / used;
     fix.alternative.reset();
-    if (candidates.size() > 1) fix.alternative = planar(candidates[1].map_from_base);
+    if (candidates.size() > 1) fix.alternative = toPose2(candidates[1].map_from_base);
     const auto worst = worstUsed(fix.sightings, errors_px);
     const auto worst_px = errors_px[static_cast<std::size_t>(worst - fix.sightings.begin())];
     if (worst_px <= params_.pose.max_image_error_px) {
-      if (fix.isGood() && floorSigmas(best.map_from_base) > params_.max_floor_sigmas)
+      if (fix.isGood() && floorResidual(best.map_from_base).norm() > params_.max_floor_sigmas)
         fix.status = MarkerFix::Status::kOffFloor;
       return fix;
     }
@@ -159,7 +146,7 @@ std::vector<MarkerSighting> MarkerLocalizer::inspect(const std::vector<MarkerCor
     } else {
       std::optional<Eigen::Isometry3d> expected;
       if (predicted)
-        expected = (upright(*predicted) * base_from_optical_).inverse() * mapped->second.map_from_marker;
+        expected = (toIsometry(*predicted) * base_from_optical_).inverse() * mapped->second.map_from_marker;
       sighting.pose = estimator_.estimate(corners, mapped->second.size_m, expected);
       sighting.use = same > 1 ? Use::kTwice : isUsable(sighting.pose) ? Use::kUsed : Use::kRefused;
     }
@@ -197,9 +184,7 @@ std::vector<MarkerLocalizer::Candidate> MarkerLocalizer::fitAll(
     Eigen::Matrix<double, 3, 6> floor_by_motion = Eigen::Matrix<double, 3, 6>::Zero();
     floor_by_motion(0, 2) = 1.0 / params_.height_sigma_m;
     floor_by_motion.bottomRightCorner<2, 3>() = -marker_detail::crossMatrix(up).topRows<2>() / tilt_sigma;
-    residuals.add<3>(
-        {map_from_base.translation().z() / params_.height_sigma_m, up.x() / tilt_sigma, up.y() / tilt_sigma},
-        floor_by_motion);
+    residuals.add<3>(floorResidual(map_from_base), floor_by_motion);
     return residuals;
   };
   std::vector<Candidate> candidates;
@@ -233,8 +218,8 @@ MarkerFix::Status MarkerLocalizer::choose(const std::optional<Pose2>& predicted,
   const double scale = std::max(1.0, first.residuals.cost / (kCornerRows * markers_used));
   const double decisive = kCornerRows * (limits.flip_ratio * limits.flip_ratio - 1.0);
   if ((second.residuals.cost - first.residuals.cost) / scale >= decisive) return MarkerFix::Status::kGood;
-  const double first_yaw = planar(first.map_from_base).yaw_rad;
-  const double second_yaw = planar(second.map_from_base).yaw_rad;
+  const double first_yaw = toPose2(first.map_from_base).yaw_rad;
+  const double second_yaw = toPose2(second.map_from_base).yaw_rad;
   const double apart = std::abs(angleBetween(first_yaw, second_yaw));
   if (apart <= limits.same_pose_deg * kRadFromDeg) return MarkerFix::Status::kGood;
   if (!predicted) return MarkerFix::Status::kAmbiguous;
@@ -250,24 +235,15 @@ MarkerFix::Status MarkerLocalizer::choose(const std::optional<Pose2>& predicted,
 double MarkerLocalizer::imageError(const MarkerSighting& sighting,
                                    const Eigen::Isometry3d& map_from_base) const {
   const MappedMarker& marker = map_.markers.at(sighting.corners.id);
-  const Eigen::Isometry3d optical_from_marker =
-      (map_from_base * base_from_optical_).inverse() * marker.map_from_marker;
-  const auto points = marker.corners();
-  double sum_px = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto pixel = estimator_.camera().project(optical_from_marker * points[i]);
-    if (!pixel) return std::numeric_limits<double>::infinity();
-    sum_px += (*pixel - sighting.corners.pixels[i]).norm();
-  }
-  return sum_px / 4.0;
+  return marker_detail::imageError(estimator_.camera(), sighting.corners, marker.size_m,
+                                   (map_from_base * base_from_optical_).inverse() * marker.map_from_marker);
 }
 
-double MarkerLocalizer::floorSigmas(const Eigen::Isometry3d& map_from_base) const {
+/// How far a robot would be off the floor [standard deviations]: height, and tilt about two axes.
+Eigen::Vector3d MarkerLocalizer::floorResidual(const Eigen::Isometry3d& map_from_base) const {
   const Eigen::Vector3d up = map_from_base.linear().col(2);
   const double tilt_sigma = params_.tilt_sigma_deg * kRadFromDeg;
-  return Eigen::Vector3d(map_from_base.translation().z() / params_.height_sigma_m, up.x() / tilt_sigma,
-                         up.y() / tilt_sigma)
-      .norm();
+  return {map_from_base.translation().z() / params_.height_sigma_m, up.x() / tilt_sigma, up.y() / tilt_sigma};
 }
 
 }  // namespace frugal_nav

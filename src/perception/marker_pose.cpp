@@ -12,6 +12,7 @@
 namespace frugal_nav {
 namespace {
 
+using marker_detail::imageError;
 using marker_detail::PointJacobian;
 using marker_detail::PoseFit;
 using marker_detail::Residuals;
@@ -30,18 +31,6 @@ Residuals cornerResiduals(const Pinhole& camera, const MarkerCorners& corners, d
                              sigma_px, residuals);
   }
   return residuals;
-}
-
-double imageError(const Pinhole& camera, const MarkerCorners& corners, double size_m,
-                  const Eigen::Isometry3d& camera_from_marker) {
-  const auto points = markerCorners(size_m);
-  double sum_px = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto pixel = camera.project(camera_from_marker * points[i]);
-    if (!pixel) return std::numeric_limits<double>::infinity();
-    sum_px += (*pixel - corners.pixels[i]).norm();
-  }
-  return sum_px / 4.0;
 }
 
 /// Directions in which the corners are seen, at z = 1; empty when the lens shows nothing there.

@@ -55,14 +55,11 @@ void ObstacleMemory::insert(const LaserScan& scan, const NearestObstacle& obstac
     if (kind != Return::kHit && kind != Return::kTooClose) continue;
     const double range_m = kind == Return::kHit ? scan.ranges_m[i] : scan.range_min_m;
     const Eigen::Vector2d p = endOf(i, range_m);
-    if (range_m <= longest_m && !isPerson(p, robot, p_odom_person) && !isMoving(p) &&
-        !isKnown(robot, endOf(i, 1.0), range_m))
+    if (range_m <= longest_m && !isPerson(p, robot, p_odom_person) && !isMoving(p) && !isKnown(robot, p))
       hits.push_back(p);
   }
-  const Eigen::Vector2d to_nearest = obstacle.p_odom - robot;
   const bool has_nearest = obstacle.found && !isPerson(obstacle.p_odom, robot, p_odom_person) &&
-                           !isMoving(obstacle.p_odom) &&
-                           !isKnown(robot, robot + to_nearest.normalized(), to_nearest.norm());
+                           !isMoving(obstacle.p_odom) && !isKnown(robot, obstacle.p_odom);
   for (const Eigen::Vector2d& p : hits) grid_.mark(p);
   if (has_nearest) markNearest(obstacle);
   const std::vector<double> clear_m = clearLengths(scan, longest_m);
@@ -126,10 +123,10 @@ void ObstacleMemory::follow(const LaserScan& scan, const NearestObstacle& obstac
 
 /// Whether a hit so near that no foot is in view is of a thing whose place is known better, from when its
 /// foot was: an obstacle on the same ray, about as far.
-bool ObstacleMemory::isKnown(const Eigen::Vector2d& robot, const Eigen::Vector2d& one_metre_on,
-                             double range_m) const {
+bool ObstacleMemory::isKnown(const Eigen::Vector2d& robot, const Eigen::Vector2d& p_odom) const {
+  const double range_m = (p_odom - robot).norm();
   if (range_m > params_.clear_from_m) return false;
-  const Eigen::Vector2d along = one_metre_on - robot;
+  const Eigen::Vector2d along = (p_odom - robot).normalized();
   const double to_m = range_m + std::min(params_.near_beyond_m, kMostGuess * range_m);
   for (double r = (1.0 - params_.near_share) * range_m; r <= to_m; r += 0.5 * grid_.cell_m()) {
     if (grid_.state(grid_.cellOf(robot + r * along)) == RollingGrid::State::kOccupied) return true;

@@ -193,10 +193,7 @@ const Eigen::Isometry3d& RobotModel::baseFrom(const std::string& link) const {
   return found->second;
 }
 
-Pose2 RobotModel::planarBaseFrom(const std::string& link) const {
-  const Eigen::Isometry3d& pose = baseFrom(link);
-  return {pose.translation().x(), pose.translation().y(), std::atan2(pose(1, 0), pose(0, 0))};
-}
+Pose2 RobotModel::planarBaseFrom(const std::string& link) const { return toPose2(baseFrom(link)); }
 
 RobotModel parseRobot(const std::string& urdf_xml, const std::string& where, const std::string& base_frame) {
   const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(urdf_xml);

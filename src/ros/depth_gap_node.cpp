@@ -29,13 +29,6 @@ DepthGapNodeParams load(const ros::NodeHandle& pnh) {
   return params;
 }
 
-std_msgs::Header headerOf(const CameraFrame& frame) {
-  std_msgs::Header header;
-  header.stamp = toRos(frame.stamp);
-  header.frame_id = frame.frame;
-  return header;
-}
-
 /// The fields that vo/points must have, all float32.
 bool hasFields(const sensor_msgs::PointCloud2& msg) {
   for (const char* name : {"x", "y", "z", "u", "v", "sigma"}) {

@@ -29,13 +29,6 @@ GoalFinder makeFinder(const GoalDetectorNodeParams& params) {
           params.calibration};
 }
 
-std_msgs::Header headerOf(const CameraFrame& frame) {
-  std_msgs::Header header;
-  header.stamp = toRos(frame.stamp);
-  header.frame_id = frame.frame;
-  return header;
-}
-
 Detection2DArray detectionsMessage(const CameraFrame& frame, const std::vector<Detection>& detections) {
   Detection2DArray msg;
   msg.header = headerOf(frame);

@@ -23,6 +23,13 @@ void checkTransport(const image_transport::ImageTransport& transport, const std:
 
 }  // namespace
 
+std_msgs::Header headerOf(const CameraFrame& frame) {
+  std_msgs::Header header;
+  header.stamp = toRos(frame.stamp);
+  header.frame_id = frame.frame;
+  return header;
+}
+
 ImageIntake::ImageIntake(ros::NodeHandle nh, const ImageIntakeParams& params, NodeDiagnostics& diagnostics,
                          Callbacks callbacks)
     : nh_(nh),

@@ -49,11 +49,10 @@ std::variant<Pose2, std::string> SensorPoses::laser(const std::string& laser_fra
   constexpr double kLevel = 0.99;  // cosine between the two z axes: eight degrees
   const std::optional<Eigen::Isometry3d> pose = baseFrom(laser_frame);
   if (!pose) return "no transform from " + base_frame_ + " to " + laser_frame;
-  const Eigen::Matrix3d& turn = pose->linear();
-  if (!(turn(2, 2) > kLevel)) {
+  if (!((*pose)(2, 2) > kLevel)) {
     return "the laser \"" + laser_frame + "\" is not mounted level with z up in \"" + base_frame_ + "\"";
   }
-  return Pose2{pose->translation().x(), pose->translation().y(), std::atan2(turn(1, 0), turn(0, 0))};
+  return toPose2(*pose);
 }
 
 }  // namespace frugal_nav

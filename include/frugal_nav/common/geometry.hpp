@@ -46,6 +46,19 @@ struct Pose2 {
   }
 };
 
+/// A pose on the floor as one in space.
+inline Eigen::Isometry3d toIsometry(const Pose2& pose) {
+  Eigen::Isometry3d lifted = Eigen::Isometry3d::Identity();
+  lifted.linear() = Eigen::AngleAxisd(pose.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  lifted.translation() << pose.x_m, pose.y_m, 0.0;
+  return lifted;
+}
+
+/// Where a pose in space stands on the floor, and where its x axis points there.
+inline Pose2 toPose2(const Eigen::Isometry3d& pose) {
+  return {pose.translation().x(), pose.translation().y(), std::atan2(pose(1, 0), pose(0, 0))};
+}
+
 /// Planar velocity of a differential-drive base, in its own frame.
 struct Twist2 {
   double v_mps = 0.0;

@@ -80,7 +80,4 @@ class VisualOdometry {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A pose on the floor as one in space.
-Eigen::Isometry3d toIsometry(const Pose2& pose);
-
 }  // namespace frugal_nav

@@ -103,7 +103,7 @@ class MarkerLocalizer {
   double imageError(const MarkerSighting& sighting, const Eigen::Isometry3d& map_from_base) const;
   MarkerFix::Status choose(const std::optional<Pose2>& predicted, int markers_used,
                            std::vector<Candidate>& candidates) const;
-  double floorSigmas(const Eigen::Isometry3d& map_from_base) const;
+  Eigen::Vector3d floorResidual(const Eigen::Isometry3d& map_from_base) const;
 
   MarkerLocalizerParams params_;
   MarkerMap map_;

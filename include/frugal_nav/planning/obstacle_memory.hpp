@@ -96,7 +96,7 @@ class ObstacleMemory {
   void follow(const LaserScan& scan, const NearestObstacle& obstacle, const Pose2& odom_from_base,
               const std::optional<Eigen::Vector2d>& p_odom_person);
   std::vector<double> clearLengths(const LaserScan& scan, double longest_m) const;
-  bool isKnown(const Eigen::Vector2d& robot, const Eigen::Vector2d& one_metre_on, double range_m) const;
+  bool isKnown(const Eigen::Vector2d& robot, const Eigen::Vector2d& p_odom) const;
   void markNearest(const NearestObstacle& obstacle);
 
   ObstacleMemoryParams params_;

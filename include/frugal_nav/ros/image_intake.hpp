@@ -13,6 +13,7 @@
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
+#include <std_msgs/Header.h>
 
 #include <frugal_nav/common/odometry.hpp>
 #include <frugal_nav/common/pinhole.hpp>
@@ -38,6 +39,9 @@ struct CameraFrame {
   Odometry odometry;  ///< at the stamp
   std::string fault;  ///< empty: all of the above holds
 };
+
+/// Stamp and frame of what an image led to.
+std_msgs::Header headerOf(const CameraFrame& frame);
 
 /// The inputs that the image nodes share: camera/image_raw, camera/camera_info, odom.
 ///

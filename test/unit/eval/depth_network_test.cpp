@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
+#include <support/message_of.hpp>
 #include <support/temp_folder.hpp>
 
 #include <frugal_nav/perception/depth_choice.hpp>
@@ -14,17 +15,8 @@
 namespace frugal_nav::eval {
 namespace {
 
+using test::messageOf;
 using testing::HasSubstr;
-
-template <class Call>
-std::string messageOf(Call call) {
-  try {
-    call();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
-}
 
 /// A network that weighs the three channels of each pixel: `weights` for each output channel.
 std::string weighing(const std::vector<float>& weights, std::int64_t outputs = 1) {

@@ -6,6 +6,14 @@
 
 namespace frugal_nav {
 
+/// A mission that follows whom the camera sees.
+inline MissionParams cameraParams() {
+  MissionParams params;
+  params.drive_mode = "camera";
+  params.follow_observed = true;
+  return params;
+}
+
 /// Feeds a mission with odometry at 20 Hz, and with a path and a local command at each of them: what a
 /// healthy graph gives. Tests change what it feeds.
 class MissionDriver {

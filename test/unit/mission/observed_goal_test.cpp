@@ -10,13 +10,6 @@ namespace {
 using ::testing::HasSubstr;
 using Vec = Eigen::Vector2d;
 
-MissionParams cameraParams() {
-  MissionParams params;
-  params.drive_mode = "camera";
-  params.follow_observed = true;
-  return params;
-}
-
 /// A robot at the origin that gets paths, no avoidance commands, and sees a person.
 class FollowTest : public ::testing::Test {
  protected:

@@ -10,13 +10,6 @@ namespace {
 using ::testing::HasSubstr;
 using Vec = Eigen::Vector2d;
 
-MissionParams cameraParams() {
-  MissionParams params;
-  params.drive_mode = "camera";
-  params.follow_observed = true;
-  return params;
-}
-
 /// A robot that obeys, gets paths and no avoidance commands, and sees nobody unless told.
 class SearchTest : public ::testing::Test {
  protected:

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <support/message_of.hpp>
 #include <support/shared_data.hpp>
 #include <support/temp_folder.hpp>
 
@@ -16,21 +17,12 @@
 namespace frugal_nav {
 namespace {
 
+using test::messageOf;
 using test::sharedModels;
 using testing::HasSubstr;
 
 std::string configOf(const std::string& name) {
   return std::string(FRUGAL_NAV_SOURCE_DIR) + "/config/models/" + name;
-}
-
-template <class Call>
-std::string messageOf(Call call) {
-  try {
-    call();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 std::string readAll(const std::string& path) {

@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 #include <opencv2/imgproc.hpp>
+#include <support/message_of.hpp>
 #include <support/shared_data.hpp>
 #include <support/temp_folder.hpp>
 
@@ -17,17 +18,8 @@
 namespace frugal_nav {
 namespace {
 
+using test::messageOf;
 using testing::HasSubstr;
-
-template <class Call>
-std::string messageOf(Call call) {
-  try {
-    call();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
-}
 
 void expectTheDrawnFace(const std::vector<Detection>& faces) {
   ASSERT_EQ(faces.size(), 1U);

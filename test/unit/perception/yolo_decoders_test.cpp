@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
+#include <support/message_of.hpp>
 
 #include <frugal_nav/common/params.hpp>
 #include <frugal_nav/perception/yolo_decoders.hpp>
@@ -12,6 +13,7 @@
 namespace frugal_nav {
 namespace {
 
+using test::messageOf;
 using testing::HasSubstr;
 
 const float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -31,16 +33,6 @@ void expectBox(const Detection& detection, double x, double y, double width, dou
   EXPECT_NEAR(detection.box.y, y, 1e-4);
   EXPECT_NEAR(detection.box.width, width, 1e-4);
   EXPECT_NEAR(detection.box.height, height, 1e-4);
-}
-
-template <class Call>
-std::string messageOf(Call call) {
-  try {
-    call();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 TEST(DecodeYolov5, MultipliesObjectnessByTheBestClass) {
