@@ -147,16 +147,18 @@ FilterStatus PoseFilter::setPose(Stamp stamp, const PoseFix& fix, Stamp received
 }
 
 FilterStatus PoseFilter::add(FilterInput input, Record record, Stamp received) {
-  if (last_received_ && received + fromSeconds(ekf_.params().jump_back_s) < *last_received_) {
-    history_.clear();
-    last_received_.reset();
-    ++counts_.time_jumps;
-  }
+  if (last_received_ && received + fromSeconds(ekf_.params().jump_back_s) < *last_received_) reset();
   last_received_ = last_received_ ? std::max(*last_received_, received) : received;
   FilterStatus status = judge(input, record, received);
   if (status == FilterStatus::kUsed) status = insert(std::move(record));
   ++counts_.measurements[static_cast<std::size_t>(input)][static_cast<std::size_t>(status)];
   return status;
+}
+
+void PoseFilter::reset() {
+  history_.clear();
+  last_received_.reset();
+  ++counts_.time_jumps;
 }
 
 FilterStatus PoseFilter::judge(FilterInput input, const Record& record, Stamp received) const {

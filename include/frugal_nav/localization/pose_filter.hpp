@@ -77,6 +77,11 @@ class PoseFilter {
   /// stay. No gate refuses it, nor does setEnabled; bad values and stamps are refused. It counts as a pose.
   FilterStatus setPose(Stamp stamp, const PoseFix& fix, Stamp received);
 
+  /// Time has jumped: forgets everything but the counts and what is enabled.
+  void reset();
+  /// Goes on with other parameters; throws ConfigError on bad ones and keeps those before.
+  void setParams(const PoseFilterParams& params) { ekf_ = PoseEkf(params); }
+
   /// Inputs are enabled at first. One that is switched off goes on being believed until its time-out.
   void setEnabled(FilterInput input, bool enabled) { enabled_[static_cast<std::size_t>(input)] = enabled; }
   bool isEnabled(FilterInput input) const { return enabled_[static_cast<std::size_t>(input)]; }

@@ -60,8 +60,8 @@ struct PoseFilterParams {
   template <class Visitor>
   void fields(Visitor&& visit) {
     visit("twist_source", twist_source,
-          Field{"", "whose speed moves the pose; command: for a base without encoders", -1e9, 1e9,
-                "encoders|command"});
+          atStart(Field{"", "whose speed moves the pose; command: for a base without encoders", -1e9, 1e9,
+                        "encoders|command"}));
     visit("twist", twist);
     visit("gyro_noise", gyro_noise,
           Field{"rad/sqrt(s)", "white noise of the gyro's angle: a cheap MEMS gyro with its mounting", 1e-6,

@@ -23,7 +23,10 @@ struct MarkerDetectorParams {
 
   template <class Visitor>
   void fields(Visitor&& visit) {
-    visit("dictionary", dictionary, atStart(Field{"", "OpenCV's name of the set the markers are from"}));
+    visit(
+        "dictionary", dictionary,
+        atStart(Field{
+            "", "OpenCV's name of the set the markers are from; marker_localization: empty for the map's"}));
     visit(
         "threshold_window_min_px", threshold_window_min_px,
         Field{"px", "smallest window of the adaptive threshold: for thin borders and small markers", 3, 99});

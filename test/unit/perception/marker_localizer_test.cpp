@@ -11,21 +11,12 @@
 namespace frugal_nav {
 namespace {
 
+using test::cameraAt;
+using test::mounted;
+using test::seen;
+using test::wallMap;
 using Status = MarkerFix::Status;
 using Use = MarkerSighting::Use;
-
-/// Four markers of two sizes on the wall x = 4, all facing -x, the last one turned a little.
-MarkerMap wallMap() {
-  return parseMarkerMap(R"(
-size_m: 0.20
-markers:
-  - {id: 0, position: [4.0, 0.6, 0.5], rpy: [1.5707963, 0.0, -1.5707963]}
-  - {id: 1, position: [4.0, -0.5, 0.9], rpy: [1.5707963, 0.0, -1.5707963]}
-  - {id: 2, size_m: 0.15, position: [4.0, 0.1, 0.4], rpy: [1.5707963, 0.0, -1.5707963]}
-  - {id: 3, position: [3.7, -0.9, 0.6], rpy: [1.5707963, 0.0, -2.2]}
-)",
-                        "wall");
-}
 
 MarkerMap only(std::set<int> ids) {
   MarkerMap map = wallMap();
@@ -33,41 +24,6 @@ MarkerMap only(std::set<int> ids) {
     if (ids.count(id) == 0) map.markers.erase(id);
   }
   return map;
-}
-
-/// A camera 0.3 m over the floor that looks ahead and 5 degrees up.
-Eigen::Isometry3d mounted() {
-  Eigen::Matrix3d base_from_level;
-  base_from_level << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::AngleAxisd(-5.0 * M_PI / 180.0, Eigen::Vector3d::UnitY()) * base_from_level;
-  pose.translation() = Eigen::Vector3d(0.12, 0.02, 0.3);
-  return pose;
-}
-
-Eigen::Isometry3d cameraAt(const Pose2& map_from_base) {
-  Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
-  base.translation() = Eigen::Vector3d(map_from_base.x_m, map_from_base.y_m, 0.0);
-  base.linear() = Eigen::AngleAxisd(map_from_base.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  return base * mounted();
-}
-
-/// Where the camera sees the corners of all markers of a map, with noise.
-std::vector<MarkerCorners> seen(const MarkerMap& map, const Pinhole& camera, const Pose2& map_from_base,
-                                double sigma_px, Random& random) {
-  std::vector<MarkerCorners> markers;
-  const Eigen::Isometry3d camera_from_map = cameraAt(map_from_base).inverse();
-  for (const auto& [id, marker] : map.markers) {
-    MarkerCorners corners;
-    corners.id = id;
-    for (std::size_t i = 0; i < 4; ++i) {
-      corners.pixels[i] = *camera.project(camera_from_map * marker.map_from_marker * marker.corners()[i]);
-      if (sigma_px > 0.0)
-        corners.pixels[i] += Eigen::Vector2d(random.normal(sigma_px), random.normal(sigma_px));
-    }
-    markers.push_back(corners);
-  }
-  return markers;
 }
 
 Eigen::Vector3d difference(const Pose2& from, const Pose2& to) {

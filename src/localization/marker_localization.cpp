@@ -1,0 +1,207 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <Eigen/Eigenvalues>
+
+#include <frugal_nav/localization/marker_localization.hpp>
+
+namespace frugal_nav {
+namespace {
+
+using Use = MarkerSighting::Use;
+using State = LocalizationStatus::State;
+
+/// The detector's parameters with the dictionary of the map, which they may repeat but not contradict.
+MarkerDetectorParams withDictionary(MarkerDetectorParams params, const MarkerMap& map) {
+  if (!params.dictionary.empty() && params.dictionary != map.dictionary) {
+    throw ConfigError("detector/dictionary is \"" + params.dictionary + "\", but the marker map's is \"" +
+                      map.dictionary + "\": leave it empty, or say the same in both");
+  }
+  params.dictionary = map.dictionary;
+  return params;
+}
+
+/// Standard deviation of a position the way in which it is largest [m].
+double worstSigma(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>(),
+                                                            Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, axes.eigenvalues().maxCoeff()));
+}
+
+std::string inWords(const LocalizationStatus& status) {
+  if (status.state == State::kNoFix) return "no fix yet: no marker of the map has been seen";
+  std::string text = "markers in view";
+  if (status.state != State::kMarkers) {
+    char since[80];
+    std::snprintf(since, sizeof(since), "no marker used for %.1f s, sigma %.2f m", status.without_markers_s,
+                  status.sigma_m);
+    text = std::string(status.state == State::kLost ? "lost: " : "") + since;
+  }
+  const bool is_degraded = status.source != MotionSource::kTwistAndGyro;
+  return is_degraded ? text + "; " + toText(status.source) : text;
+}
+
+}  // namespace
+
+const char* toText(LocalizationStatus::State state) {
+  switch (state) {
+    case State::kNoFix:
+      return "no fix";
+    case State::kMarkers:
+      return "markers";
+    case State::kWithoutMarkers:
+      return "without markers";
+    case State::kLost:
+      return "lost";
+  }
+  return "";
+}
+
+bool MarkerImageResult::isAccepted(const MarkerSighting& sighting) const {
+  return isUsed() && sighting.use == Use::kUsed;
+}
+
+std::string MarkerImageResult::reason(const MarkerSighting& sighting) const {
+  if (sighting.use == Use::kRefused) return toText(sighting.pose.status);
+  return sighting.use == Use::kUsed ? reason() : toText(sighting.use);
+}
+
+std::string MarkerImageResult::reason() const {
+  if (!fault.empty()) return fault;
+  if (!fix.isGood()) return toText(fix.status);
+  return filter ? toText(*filter) : "";
+}
+
+MarkerLocalization::MarkerLocalization(const MarkerLocalizationParams& params, const MarkerMap& map)
+    : params_(params),
+      map_(map),
+      detector_(withDictionary(params.detector, map), map.whitelist),
+      filter_(params.filter) {
+  validate(params_, "marker localization");
+}
+
+std::optional<MapPose> MarkerLocalization::addOdometry(const Odometry& odometry, Stamp received) {
+  if (!odometry.odom_from_base.isFinite()) return std::nullopt;
+  if (params_.filter.twist_source == "encoders") {
+    const FilterStatus status = filter_.addEncoders(odometry.stamp, odometry.twist, received);
+    noticeJump();
+    if (status == FilterStatus::kFromFuture || status == FilterStatus::kTooOld) return std::nullopt;
+  }
+  last_odometry_ = odometry.stamp;
+  const std::optional<PoseEstimate> estimate = takePose(odometry.stamp);
+  if (!estimate) return std::nullopt;
+  return MapPose{*estimate, estimate->map_from_base * odometry.odom_from_base.inverse()};
+}
+
+std::optional<PoseEstimate> MarkerLocalization::poseWithoutOdometry(Stamp stamp) {
+  const Duration timeout = fromSeconds(params_.filter.input_timeout_s);
+  if (last_odometry_ && stamp < *last_odometry_ + timeout) return std::nullopt;
+  return takePose(stamp);
+}
+
+FilterStatus MarkerLocalization::addCommand(Stamp stamp, const Twist2& twist, Stamp received) {
+  const FilterStatus status = filter_.addCommand(stamp, twist, received);
+  noticeJump();
+  return status;
+}
+
+FilterStatus MarkerLocalization::addGyro(Stamp stamp, double rate_radps, Stamp received) {
+  const FilterStatus status = filter_.addGyro(stamp, rate_radps, received);
+  noticeJump();
+  return status;
+}
+
+MarkerImageResult MarkerLocalization::addImage(const MarkerCamera& taken, const cv::Mat& image,
+                                               Stamp received) {
+  return addCorners(taken, detector_.detect(image), received);
+}
+
+MarkerImageResult MarkerLocalization::addCorners(const MarkerCamera& taken, const MarkerFindings& findings,
+                                                 Stamp received) {
+  MarkerImageResult result;
+  result.stamp = taken.stamp;
+  result.unlisted_ids = findings.unlisted_ids;
+  result.fault = findings.fault.empty() ? faultOf(taken, received) : findings.fault;
+  if (!result.fault.empty()) return result;
+  std::optional<Pose2> predicted;
+  if (const auto estimate = filter_.estimateAt(taken.stamp)) predicted = estimate->map_from_base;
+  result.fix = localizerFor(taken).locate(findings.markers, predicted);
+  if (!result.fix.isGood()) return result;
+  result.filter = filter_.addPose(taken.stamp, {result.fix.map_from_base, result.fix.covariance}, received);
+  noticeJump();
+  if (result.isUsed()) last_fix_ = last_fix_ ? std::max(*last_fix_, taken.stamp) : taken.stamp;
+  return result;
+}
+
+FilterStatus MarkerLocalization::setPose(Stamp stamp, const PoseFix& fix, Stamp received) {
+  const FilterStatus status = filter_.setPose(stamp, fix, received);
+  noticeJump();
+  if (status == FilterStatus::kUsed) last_fix_ = last_fix_ ? std::max(*last_fix_, stamp) : stamp;
+  return status;
+}
+
+void MarkerLocalization::reset() {
+  filter_.reset();
+  noticeJump();
+}
+
+void MarkerLocalization::setParams(const MarkerLocalizationParams& params) {
+  validate(params, "marker localization");
+  MarkerDetector detector(withDictionary(params.detector, map_), map_.whitelist);
+  filter_.setParams(params.filter);
+  detector_ = std::move(detector);
+  params_ = params;
+  localizer_.reset();
+}
+
+LocalizationStatus MarkerLocalization::status(Stamp now) const {
+  LocalizationStatus status;
+  if (const auto estimate = filter_.estimateAt(now)) {
+    status.source = estimate->source;
+    status.sigma_m = worstSigma(estimate->covariance);
+    status.without_markers_s = std::max(0.0, toSeconds(now - *last_fix_));
+    const bool sees = status.without_markers_s <= params_.without_markers_s;
+    const bool is_lost = status.sigma_m > params_.max_sigma_m;
+    status.state = is_lost ? State::kLost : sees ? State::kMarkers : State::kWithoutMarkers;
+  }
+  status.reason = inWords(status);
+  return status;
+}
+
+/// The estimate at a stamp after the last one that was given out.
+std::optional<PoseEstimate> MarkerLocalization::takePose(Stamp stamp) {
+  if (last_pose_ && stamp <= *last_pose_) return std::nullopt;
+  std::optional<PoseEstimate> estimate = filter_.estimateAt(stamp);
+  if (estimate) last_pose_ = stamp;
+  return estimate;
+}
+
+const MarkerLocalizer& MarkerLocalization::localizerFor(const MarkerCamera& taken) {
+  const bool is_same =
+      taken.camera == camera_ && taken.base_from_optical.matrix() == base_from_optical_.matrix();
+  if (!localizer_ || !is_same) {
+    localizer_.emplace(params_.localizer, map_, taken.camera, taken.base_from_optical);
+    camera_ = taken.camera;
+    base_from_optical_ = taken.base_from_optical;
+  }
+  return *localizer_;
+}
+
+std::string MarkerLocalization::faultOf(const MarkerCamera& taken, Stamp received) const {
+  if (taken.stamp > received + fromSeconds(params_.filter.future_tolerance_s))
+    return toText(FilterStatus::kFromFuture);
+  if (!taken.base_from_optical.matrix().allFinite()) return "the camera's pose on the robot is not finite";
+  return taken.camera.fault();
+}
+
+/// The filter has started anew: so does what belongs to it.
+void MarkerLocalization::noticeJump() {
+  if (filter_.counts().time_jumps == time_jumps_) return;
+  time_jumps_ = filter_.counts().time_jumps;
+  last_odometry_.reset();
+  last_pose_.reset();
+  last_fix_.reset();
+}
+
+}  // namespace frugal_nav
