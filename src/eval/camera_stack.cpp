@@ -45,6 +45,7 @@ CameraStackParams loadCameraStack(const std::string& share_dir) {
   params.detector = loadParamFile<YoloParams>(config + "models/heads.yaml");
   params.network = loadParamFile<DepthNetworkParams>(config + "models/depth_small.yaml");
   params.calibration = loadPart<HeadCalibrationParams>({config + "goal_detector.yaml"}, "calibration/");
+  params.closer_look = loadPart<CloserLookParams>({config + "goal_detector.yaml"}, "closer_look/");
   params.odometry = loadPart<WheelOdometryParams>(
       {config + "wheel_odometry.yaml", config + "simulated/wheel_odometry.yaml"});
   params.range = loadPart<HeadRangeParams>({config + "goal_detector.yaml"}, "head/");
@@ -78,7 +79,8 @@ CameraStack::CameraStack(const CameraStackParams& params, const RobotModel& robo
       base_from_optical_(robot.baseFrom("camera_optical_frame")),
       latency_(latency),
       wheels_(params.odometry, {robot.drive.radius_m, robot.drive.separation_m}),
-      finder_(orDetector(std::move(detector), params), params.range, params.tracker, params.calibration),
+      finder_(orDetector(std::move(detector), params), params.range, params.tracker, params.calibration,
+              params.closer_look),
       visual_(params.visual, camera, base_from_optical_),
       depth_(orNetwork(std::move(network), params), params.depth),
       planner_(params.planner, {robot.halfWidth_m(), robot.circumradius_m()}),

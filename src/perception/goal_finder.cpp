@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t kAwaited = 8;
 // Feet seen in two images that lie nearer to each other are the same.
 constexpr double kSameFeet_m = 0.15;
+// While nobody is known, heads this far away are looked for most closely: nearer ones are large.
+constexpr double kFarHead_m = 4.0;
 // A factor that differs by less is the same.
 constexpr double kSameFactor = 0.02;
 
@@ -35,15 +37,21 @@ std::optional<std::size_t> nearestSighting(const GoalFrame& frame, const Pose2& 
 }  // namespace
 
 GoalFinder::GoalFinder(std::unique_ptr<Detector> detector, const HeadRangeParams& range,
-                       const GoalTrackerParams& tracker, const HeadCalibrationParams& calibration)
-    : detector_(std::move(detector)), range_params_(range), tracker_(tracker), calibration_(calibration) {
+                       const GoalTrackerParams& tracker, const HeadCalibrationParams& calibration,
+                       const CloserLookParams& closer_look)
+    : detector_(std::move(detector)),
+      range_params_(range),
+      tracker_(tracker),
+      calibration_(calibration),
+      closer_look_(closer_look) {
   validate(range, "head range");
 }
 
 void GoalFinder::setParams(const HeadRangeParams& range, const GoalTrackerParams& tracker,
-                           const HeadCalibrationParams& calibration) {
+                           const HeadCalibrationParams& calibration, const CloserLookParams& closer_look) {
   validate(range, "head range");
   const HeadCalibration wanted(calibration);
+  closer_look_ = CloserLook(closer_look);
   tracker_ = GoalTracker(tracker);
   calibration_ = wanted;
   range_params_ = range;
@@ -66,6 +74,27 @@ HeadRangeParams GoalFinder::calibratedRange() const {
   return range;
 }
 
+std::vector<cv::Rect> GoalFinder::partsToEnlarge(const GoalView& view, const HeadRange& range,
+                                                 bool could_see) const {
+  if (!closer_look_.params().enabled) return {};
+  const cv::Size image = view.bgr.size();
+  const Eigen::Isometry3d optical_from_base = view.base_from_optical.inverse();
+  const std::optional<TrackedGoal> goal = tracker_.goal();
+  if (!goal) {
+    const double head_m = 0.5 * (range_params_.min_above_floor_m + range_params_.max_above_floor_m);
+    const auto head_px = range.camera().project(optical_from_base * Eigen::Vector3d(kFarHead_m, 0.0, head_m));
+    return closer_look_.across(image, head_px ? head_px->y() : 0.5 * image.height);
+  }
+  if (!could_see) return {};
+  const Eigen::Vector2d p_base = view.odom_from_base.inverse() * goal->p_odom;
+  const Eigen::Vector3d p_optical =
+      optical_from_base * Eigen::Vector3d(p_base.x(), p_base.y(), goal->above_floor_m);
+  const auto center_px = range.camera().project(p_optical);
+  const double height_px = range.camera().fy * range_params_.head_height_m / p_optical.z();
+  if (!center_px || height_px > closer_look_.params().max_height_share * image.height) return {};
+  return {closer_look_.around(image, {center_px->x(), center_px->y()})};
+}
+
 GoalFrame GoalFinder::look(const GoalView& view) {
   GoalFrame frame;
   frame.fault = viewFault(view.bgr, view.camera, view.odom_from_base);
@@ -73,10 +102,11 @@ GoalFrame GoalFinder::look(const GoalView& view) {
   if (frame.fault.empty()) {
     const HeadRange range(calibratedRange(), view.camera.scaled(view.bgr.cols, view.bgr.rows),
                           view.base_from_optical);
-    frame.detections = detector_->detect(view.bgr);
-    for (const Detection& detection : frame.detections) frame.sightings.push_back(range.locate(detection));
     const std::optional<TrackedGoal> known = tracker_.goal();
     could_see = !known || range.couldSee(view.odom_from_base.inverse() * known->p_odom, known->above_floor_m);
+    frame.detections = CloserLook::add(detector_->detect(view.bgr), view.bgr,
+                                       partsToEnlarge(view, range, could_see), *detector_);
+    for (const Detection& detection : frame.detections) frame.sightings.push_back(range.locate(detection));
   }
   frame.state = tracker_.update(view.stamp, view.odom_from_base, frame.sightings, could_see);
   frame.goal = tracker_.goal();

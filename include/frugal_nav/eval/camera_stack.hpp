@@ -33,6 +33,7 @@ struct CameraStackParams {
   HeadRangeParams range;
   GoalTrackerParams tracker;
   HeadCalibrationParams calibration;
+  CloserLookParams closer_look;
   DepthNetworkParams network;
   WheelOdometryParams odometry;
   VisualOdometryParams visual;

@@ -14,6 +14,7 @@
 #include <frugal_nav/common/laser_scan.hpp>
 #include <frugal_nav/common/pinhole.hpp>
 #include <frugal_nav/common/time.hpp>
+#include <frugal_nav/perception/closer_look.hpp>
 #include <frugal_nav/perception/detector.hpp>
 #include <frugal_nav/perception/goal_tracker.hpp>
 #include <frugal_nav/perception/head_calibration.hpp>
@@ -46,7 +47,8 @@ class GoalFinder {
  public:
   /// Throws ConfigError on parameters out of range.
   GoalFinder(std::unique_ptr<Detector> detector, const HeadRangeParams& range,
-             const GoalTrackerParams& tracker, const HeadCalibrationParams& calibration = {});
+             const GoalTrackerParams& tracker, const HeadCalibrationParams& calibration = {},
+             const CloserLookParams& closer_look = {});
 
   /// Takes one image. One that cannot be used, or a camera without calibration, counts as nothing seen: the
   /// goal is lost after its time-out and found again when sound images return.
@@ -58,17 +60,19 @@ class GoalFinder {
   const Detector& detector() const { return *detector_; }
   /// Other parameters from the next image on; the goal is forgotten. Throws ConfigError when they are bad.
   void setParams(const HeadRangeParams& range, const GoalTrackerParams& tracker,
-                 const HeadCalibrationParams& calibration = {});
+                 const HeadCalibrationParams& calibration = {}, const CloserLookParams& closer_look = {});
   /// Forgets the goal.
   void reset();
 
  private:
   std::unique_ptr<Detector> detector_;
   HeadRangeParams calibratedRange() const;
+  std::vector<cv::Rect> partsToEnlarge(const GoalView& view, const HeadRange& range, bool could_see) const;
 
   HeadRangeParams range_params_;
   GoalTracker tracker_;
   HeadCalibration calibration_;
+  CloserLook closer_look_;
   double head_factor_ = 1.0;  ///< of the goal's head over range_params_, as applied
   struct Look {
     Stamp stamp{};

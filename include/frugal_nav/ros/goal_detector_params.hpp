@@ -1,5 +1,6 @@
 #pragma once
 
+#include <frugal_nav/perception/closer_look.hpp>
 #include <frugal_nav/perception/detector_choice.hpp>
 #include <frugal_nav/perception/goal_tracker.hpp>
 #include <frugal_nav/perception/head_calibration.hpp>
@@ -15,6 +16,7 @@ struct GoalDetectorNodeParams {
   HeadRangeParams head;
   GoalTrackerParams tracker;
   HeadCalibrationParams calibration;
+  CloserLookParams closer_look;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -23,6 +25,7 @@ struct GoalDetectorNodeParams {
     visit("head", head);
     visit("tracker", tracker);
     visit("calibration", calibration);
+    visit("closer_look", closer_look);
   }
 };
 
