@@ -14,8 +14,8 @@ namespace {
 constexpr std::size_t kAwaited = 8;
 // Feet seen in two images that lie nearer to each other are the same.
 constexpr double kSameFeet_m = 0.15;
-// While nobody is known, heads this far away are looked for most closely: nearer ones are large.
-constexpr double kFarHead_m = 4.0;
+// While nobody is known, persons this far away are looked for most closely: nearer ones are large.
+constexpr double kFar_m = 6.0;
 // A factor that differs by less is the same.
 constexpr double kSameFactor = 0.02;
 
@@ -79,16 +79,19 @@ std::vector<cv::Rect> GoalFinder::partsToEnlarge(const GoalView& view, const Hea
   if (!closer_look_.params().enabled) return {};
   const cv::Size image = view.bgr.size();
   const Eigen::Isometry3d optical_from_base = view.base_from_optical.inverse();
+  // The middle of a person, so that the body, which tells a head from a ball, is in view with it.
+  const auto middle = [&](const Eigen::Vector2d& p_base, double head_above_floor_m) {
+    return Eigen::Vector3d(optical_from_base *
+                           Eigen::Vector3d(p_base.x(), p_base.y(), 0.5 * head_above_floor_m));
+  };
   const std::optional<TrackedGoal> goal = tracker_.goal();
   if (!goal) {
     const double head_m = 0.5 * (range_params_.min_above_floor_m + range_params_.max_above_floor_m);
-    const auto head_px = range.camera().project(optical_from_base * Eigen::Vector3d(kFarHead_m, 0.0, head_m));
-    return closer_look_.across(image, head_px ? head_px->y() : 0.5 * image.height);
+    const auto center_px = range.camera().project(middle({kFar_m, 0.0}, head_m));
+    return closer_look_.across(image, center_px ? center_px->y() : 0.5 * image.height);
   }
   if (!could_see) return {};
-  const Eigen::Vector2d p_base = view.odom_from_base.inverse() * goal->p_odom;
-  const Eigen::Vector3d p_optical =
-      optical_from_base * Eigen::Vector3d(p_base.x(), p_base.y(), goal->above_floor_m);
+  const Eigen::Vector3d p_optical = middle(view.odom_from_base.inverse() * goal->p_odom, goal->above_floor_m);
   const auto center_px = range.camera().project(p_optical);
   const double height_px = range.camera().fy * range_params_.head_height_m / p_optical.z();
   if (!center_px || height_px > closer_look_.params().max_height_share * image.height) return {};
