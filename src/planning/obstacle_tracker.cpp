@@ -118,8 +118,9 @@ void ObstacleTracker::update(const LaserScan& scan, const Pose2& odom_from_base,
     }
     TrackedObstacle& track = tracks_[best == tracks_.size() ? tracks_.size() - 1 : best];
     track.stamp = track.last_seen = scan.stamp;
-    track.radius_m =
-        track.sightings == 0 ? 0.5 * object.width_m : 0.7 * track.radius_m + 0.3 * 0.5 * object.width_m;
+    const double radius_m = 0.5 * object.width_m;
+    if (track.sightings == 0) track.first_radius_m = track.radius_m = radius_m;
+    track.radius_m = 0.7 * track.radius_m + 0.3 * radius_m;
     ++track.sightings;
     judge(track);
     if (track.trail.size() < kLongestTrail) track.trail.push_back(p_odom);
@@ -157,9 +158,10 @@ void ObstacleTracker::correct(TrackedObstacle& track, const Eigen::Vector2d& p_o
 void ObstacleTracker::judge(TrackedObstacle& track) const {
   const Eigen::Matrix2d spread = track.covariance.bottomRightCorner<2, 2>();
   const double sigmas = std::sqrt(track.velocity_mps.dot(spread.inverse() * track.velocity_mps));
+  const double off_m = std::max(params_.least_way_m, track.first_radius_m + track.radius_m);
   track.moving = track.sightings >= params_.least_sightings && sigmas > params_.significance &&
                  track.velocity_mps.norm() > params_.slowest_mps &&
-                 (track.p_odom - track.first_p_odom).norm() >= params_.least_way_m;
+                 (track.p_odom - track.first_p_odom).norm() >= off_m;
 }
 
 bool ObstacleTracker::isGone(const TrackedObstacle& track, const LaserScan& scan,

@@ -53,7 +53,10 @@ struct ObstacleTrackerParams {
           Field{"", "standard deviations by which its velocity must differ from zero", 0.5, 10.0});
     visit("least_sightings", least_sightings, Field{"", "sightings before a velocity counts", 2, 20});
     visit("least_way_m", least_way_m,
-          Field{"m", "and the way it has come: what stands wanders by the depth's error", 0.0, 5.0});
+          Field{"m",
+                "and the way it has come, which must also take it off the place it was seen first: what "
+                "stands wanders by the depth's error, and by its own size as more of it comes into view",
+                0.0, 5.0});
     visit("out_of_view_s", out_of_view_s,
           Field{"s", "one that walked out of view is believed to go on for this long", 0.0, 30.0});
     visit("unseen_s", unseen_s,
@@ -68,6 +71,7 @@ struct TrackedObstacle {
   Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  ///< of (x, y, vx, vy)
   Eigen::Vector2d first_p_odom = Eigen::Vector2d::Zero();    ///< where it was seen first
+  double first_radius_m = 0.0;                               ///< half of its width as seen then
   double radius_m = 0.0;                                     ///< half of its visible width
   int sightings = 0;
   Stamp stamp{};      ///< of p_odom

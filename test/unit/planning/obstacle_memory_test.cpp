@@ -250,5 +250,21 @@ TEST(ForegroundObjects, LeavesOutWhatIsCutOrHidden) {
   EXPECT_NEAR(objects[0].range_m, 1.0, 0.02);
 }
 
+// A box 0.9 m wide comes into view within half a second: its visible middle walks 0.4 m, yet it never leaves
+// the place it was seen first. A walker as fast does.
+TEST(ObstacleTracker, TakesNoThingThatComesIntoViewForAWalker) {
+  ObstacleTracker of_box(ObstacleTrackerParams{});
+  ObstacleTracker of_walker(ObstacleTrackerParams{});
+  const auto nothing = [](const Vec&) { return false; };
+  for (int i = 0; i <= 10; ++i) {
+    const LaserScan wall = evenScan(1.0 + 0.05 * i, 4.0);
+    const double half_width = 0.05 + 0.04 * i;
+    of_box.update(withObject(wall, {2.0, half_width}, half_width), {}, nothing);
+    EXPECT_TRUE(of_box.moving().empty()) << i;
+    of_walker.update(withObject(wall, {2.0, half_width}, 0.1), {}, nothing);
+  }
+  EXPECT_EQ(of_walker.moving().size(), 1U);
+}
+
 }  // namespace
 }  // namespace frugal_nav
