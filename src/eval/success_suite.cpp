@@ -34,7 +34,6 @@ struct SuccessOptions {
   double pipeline_rate = 5.0;
   int width = 416;
   double halt_width = 1.5;
-  std::string pictures;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -54,7 +53,6 @@ struct SuccessOptions {
                 "robot widths below which a gap is not driven through: the layouts' narrowest, the paper's "
                 "stress setting",
                 1.0, 5.0});
-    visit("pictures", pictures, Field{"", "folder for a picture of each failure; empty for none"});
   }
   std::string check() const {
     if (methods.empty()) return "methods names none";
@@ -109,7 +107,7 @@ class SuccessSuite : public SuiteWithOptions<SuccessOptions> {
     params_ = loadCameraStack(context.share_dir);
     params_.planner.halt_width_factor = options_.halt_width;
     textures_ = readTextures(context.share_dir + "/worlds/textures");
-    if (!options_.pictures.empty()) std::filesystem::create_directories(options_.pictures);
+    picture_dir_ = context.picture_dir;
     cv::setNumThreads(1);  // the trials are what runs in parallel
   }
 
@@ -172,11 +170,12 @@ class SuccessSuite : public SuiteWithOptions<SuccessOptions> {
     const double time_limit_s = 3.0 * layout.distance_m / speed_mps + 20.0;
     const CameraDriveRecord record = driveCamera(simulator, layout, *driver, speed_mps, time_limit_s);
     const std::string cause = causeOf(record, *driver);
-    if (!cause.empty() && method == "camera" && !options_.pictures.empty()) {
+    if (!cause.empty() && method == "camera" && !picture_dir_.empty()) {
+      std::filesystem::create_directories(picture_dir_);
       const std::string name = "trial_" + std::to_string(trial.index) + "_" + keyOf(speed_mps) + ".png";
       const std::string title = "trial " + std::to_string(trial.index) + ", " + keyOf(speed_mps) + " m/s, " +
                                 layout.light + ": " + cause;
-      writeDrivePicture(options_.pictures + "/" + name, layout, record, *driver, title);
+      writeDrivePicture((picture_dir_ / name).string(), layout, record, *driver, title);
     }
     return toRow(method, speed_mps, layout, trial, record, cause);
   }
@@ -243,6 +242,7 @@ class SuccessSuite : public SuiteWithOptions<SuccessOptions> {
   RobotModel robot_;
   CameraStackParams params_;
   std::vector<sim::Texture> textures_;
+  std::filesystem::path picture_dir_;
 };
 
 }  // namespace

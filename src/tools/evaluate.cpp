@@ -37,6 +37,7 @@ void run(EvaluateCommand command) {
     context.trajectory_dir = (std::filesystem::path(command.out) / "trajectories").string();
     std::filesystem::create_directories(context.trajectory_dir);
   }
+  context.picture_dir = (std::filesystem::path(command.out) / "failures").string();
   const auto result = frugal_nav::eval::runSuite(
       command.request, isatty(STDERR_FILENO) != 0 ? drawProgress : frugal_nav::eval::Progress{});
   std::cout << toTable(result) << "written: " << writeResult(result, command.out) << "\n";

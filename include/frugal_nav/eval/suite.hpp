@@ -17,6 +17,7 @@ struct RunContext {
   std::string share_dir;       ///< the package's urdf/, config/, worlds/ lie here
   std::uint64_t seed = 1;      ///< of the run; trial k has seed + k
   std::string trajectory_dir;  ///< trajectory files go here; empty for none
+  std::string picture_dir;     ///< pictures of failures go here; empty for none
 };
 
 /// One trial of a run. Its numbers follow from its seed alone, not from the trials beside it.
