@@ -127,6 +127,9 @@ MissionOutput Mission::update(const Odometry& odometry) {
       toSeconds(odometry.stamp - goal_start_) >= params_.goal_timeout_s)
     finish(MissionPhase::kAborted, "goal time-out: not reached within " + seconds(params_.goal_timeout_s));
 
+  if (active() && !hold_reason_.empty() && activity_ != Activity::kLost)
+    enter(Activity::kLost, odometry.stamp, hold_reason_);
+
   Twist2 command;
   switch (activity_) {
     case Activity::kFacing:
@@ -346,6 +349,7 @@ void Mission::beginGoal(Stamp stamp) {
   if (active()) finish(MissionPhase::kCancelled, "preempted by a new goal");
   ++status_.goal_number;
   following_ = false;
+  hold_reason_.clear();
   alone_since_.reset();
   goal_start_ = activity_start_ = stamp;
   started_ = false;

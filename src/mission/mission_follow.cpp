@@ -99,6 +99,7 @@ bool Mission::lostGoal(const Odometry& odometry) {
 }
 
 Twist2 Mission::waitForGoal(const Odometry& odometry) {
+  if (!following_) return waitForMap(odometry);
   observed_.watch(odometry.stamp, odometry.odom_from_base, 0.0);
   if (!observed_.isLost()) {
     progress_.resume(odometry.stamp);

@@ -67,6 +67,7 @@ MissionNode::MissionNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   tuning_ = tuneLive<MissionNodeParams>(pnh, params_, [this](const MissionNodeParams& wanted) {
     mission_.setParams(wanted.mission);
     params_.feedback_rate_hz = wanted.feedback_rate_hz;
+    params_.map_timeout_s = wanted.map_timeout_s;
   });
   server_.start();
   publishStatus();
@@ -83,7 +84,9 @@ void MissionNode::onGoal(GoalHandle handle) {
   reportEnds();
   handle.setAccepted();
   goal_handle_ = handle;
+  map_goal_.reset();
   if (const auto* odom_from_goal = std::get_if<Pose2>(&goal)) {
+    if (withoutSlash(target.header.frame_id) == params_.map_frame) map_goal_ = target;
     const bool with_yaw = !of_tour || tour_->waypoints[next_waypoint_].yaw_rad.has_value();
     mission_.setGoal(*odom_from_goal, toStamp(now), with_yaw);
   } else {
@@ -170,6 +173,11 @@ std::variant<Pose2, std::string> MissionNode::toOdom(const geometry_msgs::PoseSt
     // The newest transform: the goal's own stamp may lie before the listener's start.
     const geometry_msgs::TransformStamped transform =
         tf_buffer_.lookupTransform(params_.odom_frame, frame, ros::Time(0));
+    const double age_s = toSeconds(mission_.status().stamp - toStamp(transform.header.stamp));
+    const bool is_static = transform.header.stamp.isZero();
+    if (frame == params_.map_frame && !is_static && age_s > params_.map_timeout_s)
+      return "the transform from \"" + frame + "\" is stale: the last one is " + std::to_string(age_s) +
+             " s old";
     geometry_msgs::PoseStamped odom_goal;
     tf2::doTransform(goal, odom_goal, transform);
     if (const std::optional<Pose2> pose = planar(odom_goal.pose)) return *pose;
@@ -193,6 +201,7 @@ void MissionNode::onOdometry(const nav_msgs::Odometry& msg) {
     return;
   }
   diagnostics_.input("odom").received(odometry->stamp, toStamp(checkClock()));
+  moveMapGoal();
   const MissionOutput output = mission_.update(*odometry);
   if (output.command) {
     geometry_msgs::TwistStamped command;
@@ -205,6 +214,17 @@ void MissionNode::onOdometry(const nav_msgs::Odometry& msg) {
   publishFeedback(msg);
   reportEnds();
   if (tour_) driveTour(msg.header.stamp);
+}
+
+void MissionNode::moveMapGoal() {
+  if (!map_goal_ || !mission_.active()) return;
+  const std::variant<Pose2, std::string> place = toOdom(*map_goal_);
+  if (const auto* fault = std::get_if<std::string>(&place)) {
+    mission_.holdGoal(*fault);
+    return;
+  }
+  mission_.moveGoal(std::get<Pose2>(place));
+  if (mission_.goalChanges() != goal_changes_) publishGoal(toRos(mission_.status().stamp));
 }
 
 void MissionNode::onPath(const nav_msgs::Path& msg) {
@@ -306,20 +326,32 @@ void MissionNode::publishFeedback(const nav_msgs::Odometry& msg) {
 void MissionNode::driveTour(ros::Time now) {
   if (tour_start_.isZero()) tour_start_ = now + ros::Duration(tour_->start_delay_s);
   const bool connected = action_goal_pub_.getNumSubscribers() > 0;
-  if (tour_goal_id_.empty() && connected && now >= tour_start_) sendTourGoal(now);
+  if (!tour_goal_id_.empty() || !connected || now < tour_start_) return;
+  const std::variant<Pose2, std::string> place = toOdom(tourGoal());
+  if (const auto* fault = std::get_if<std::string>(&place)) {
+    ROS_WARN_THROTTLE(5.0, "the tour waits: %s", fault->c_str());
+    diagnostics_.status(diagnostic_msgs::DiagnosticStatus::WARN, "the tour waits: " + *fault);
+  } else {
+    sendTourGoal(now);
+  }
+}
+
+geometry_msgs::PoseStamped MissionNode::tourGoal() const {
+  const Waypoint& waypoint = tour_->waypoints[next_waypoint_];
+  geometry_msgs::PoseStamped goal;
+  goal.header.frame_id = tour_->frame;
+  goal.pose = toRos(Pose2{waypoint.position.x(), waypoint.position.y(), waypoint.yaw_rad.value_or(0.0)});
+  return goal;
 }
 
 // A tour's goals go through the action server like anyone's, so that they are cancelled in the same way.
 void MissionNode::sendTourGoal(ros::Time now) {
-  const Waypoint& waypoint = tour_->waypoints[next_waypoint_];
   tour_goal_id_ = "waypoint " + std::to_string(next_waypoint_ + 1) + " at " + std::to_string(now.toSec());
   move_base_msgs::MoveBaseActionGoal action;
   action.header.stamp = action.goal_id.stamp = ros::Time::now();  // as clients stamp theirs
   action.goal_id.id = tour_goal_id_;
+  action.goal.target_pose = tourGoal();
   action.goal.target_pose.header.stamp = now;
-  action.goal.target_pose.header.frame_id = tour_->frame;
-  action.goal.target_pose.pose =
-      toRos(Pose2{waypoint.position.x(), waypoint.position.y(), waypoint.yaw_rad.value_or(0.0)});
   action_goal_pub_.publish(action);
 }
 

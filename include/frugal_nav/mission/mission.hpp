@@ -76,6 +76,12 @@ class Mission {
   /// Takes a goal, from now on the only one, and returns its number. Without a yaw the heading at the goal is
   /// free. A goal that is not finite, or that comes in manual mode, is aborted at once.
   std::uint32_t setGoal(const Pose2& odom_from_goal, Stamp stamp, bool with_yaw = true);
+  /// Where the present goal is in odom now: one of a map moves there as the robot learns where it is. Its
+  /// number stays.
+  void moveGoal(const Pose2& odom_from_goal);
+  /// Where the present goal is in odom is not known, for this reason: the robot stands until moveGoal() tells
+  /// it, and gives up after stopped_timeout_s.
+  void holdGoal(const std::string& reason);
   /// A person seen at a place of odom. With `follow_observed` the first one becomes the goal: the stand-off
   /// point before it; later ones move it, under the same number. Other goals come before it; after one of
   /// them, or when cancelled, it takes resumeFollowing() to follow again.
@@ -134,6 +140,7 @@ class Mission {
   Twist2 face(const Odometry& odometry);
   Twist2 drive(const Odometry& odometry);
   Twist2 waitForGoal(const Odometry& odometry);
+  Twist2 waitForMap(const Odometry& odometry);
   Twist2 settle(const Odometry& odometry);
   Twist2 align(const Odometry& odometry);
   Twist2 recover(const Odometry& odometry);
@@ -168,6 +175,7 @@ class Mission {
   Activity activity_ = Activity::kNone;
   Stamp activity_start_{};
   Pose2 odom_from_goal_;
+  std::string hold_reason_;  ///< why the goal's place is not known; empty: it is
   std::uint32_t goal_changes_ = 0;
   bool follows_ = true;                           ///< the next person seen is taken for the goal
   bool following_ = false;                        ///< the present goal is a person

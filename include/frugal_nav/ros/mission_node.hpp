@@ -29,6 +29,8 @@ namespace frugal_nav {
 struct MissionNodeParams {
   std::string odom_frame = "odom";
   std::string base_frame = "base_link";
+  std::string map_frame = "map";
+  double map_timeout_s = 1.0;
   std::string waypoints_file;
   double feedback_rate_hz = 5.0;
   MissionParams mission;
@@ -37,6 +39,13 @@ struct MissionNodeParams {
   void fields(Visitor&& visit) {
     visit("odom_frame", odom_frame, atStart(Field{"", "frame of goals, path and odometry"}));
     visit("base_frame", base_frame, atStart(Field{"", "frame of mission/command"}));
+    visit("map_frame", map_frame,
+          atStart(Field{"",
+                        "a goal in this frame is put into odom_frame anew with each odometry: the robot "
+                        "learns on its way where it is"}));
+    visit("map_timeout_s", map_timeout_s,
+          Field{"s", "a transform from map_frame older than this against odometry is stale: the robot stands",
+                0.05, 60.0});
     visit("waypoints_file", waypoints_file,
           atStart(Field{"", "tour to drive from the start; empty for none"}));
     visit("feedback_rate_hz", feedback_rate_hz,
@@ -74,6 +83,9 @@ class MissionNode {
 
   /// The goal in the odom frame, or why it cannot be driven to.
   std::variant<Pose2, std::string> toOdom(const geometry_msgs::PoseStamped& goal) const;
+  /// The present goal of the map to where it is in odom now; or holds it, when nobody can tell.
+  void moveMapGoal();
+  geometry_msgs::PoseStamped tourGoal() const;
   void reportEnds();
   void publishGoal(ros::Time now);
   void publishStatus();
@@ -89,9 +101,10 @@ class MissionNode {
   tf2_ros::Buffer tf_buffer_;
   tf2_ros::TransformListener tf_listener_;
   actionlib::ActionServer<move_base_msgs::MoveBaseAction> server_;
-  std::optional<GoalHandle> goal_handle_;  ///< of the goal on its way
-  std::string path_reason_;                ///< of the planner, for an empty path
-  std::string told_reason_;                ///< of the state, when it was last published
+  std::optional<GoalHandle> goal_handle_;               ///< of the goal on its way
+  std::optional<geometry_msgs::PoseStamped> map_goal_;  ///< the present one, when it is in map_frame
+  std::string path_reason_;                             ///< of the planner, for an empty path
+  std::string told_reason_;                             ///< of the state, when it was last published
   ros::Time last_feedback_;
   ros::Time last_now_;
   std::uint32_t goal_changes_ = 0;  ///< of the mission when its goal was last published
