@@ -114,6 +114,7 @@ void ObstacleTracker::update(const LaserScan& scan, const Pose2& odom_from_base,
       taken.push_back(true);
     } else {
       taken[best] = true;
+      tracks_[best].misfit += (best_distance - tracks_[best].misfit) / tracks_[best].sightings;
       correct(tracks_[best], p_odom, noise);
     }
     TrackedObstacle& track = tracks_[best == tracks_.size() ? tracks_.size() - 1 : best];
@@ -161,6 +162,7 @@ void ObstacleTracker::judge(TrackedObstacle& track) const {
   const double off_m = std::max(params_.least_way_m, track.first_radius_m + track.radius_m);
   track.moving = track.sightings >= params_.least_sightings && sigmas > params_.significance &&
                  track.velocity_mps.norm() > params_.slowest_mps &&
+                 2.0 * track.radius_m > params_.smallest_m && track.misfit < params_.largest_misfit &&
                  (track.p_odom - track.first_p_odom).norm() >= off_m;
 }
 

@@ -16,6 +16,7 @@ namespace frugal_nav {
 
 struct ObstacleTrackerParams {
   double max_range_m = 3.5;
+  double smallest_m = 0.15;
   double largest_m = 0.9;
   double jump_m = 0.35;
   double sigma_m = 0.06;
@@ -28,12 +29,16 @@ struct ObstacleTrackerParams {
   double significance = 2.5;
   int least_sightings = 4;
   double least_way_m = 0.25;
+  double largest_misfit = 2.0;
   double out_of_view_s = 2.5;
   double unseen_s = 0.9;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
     visit("max_range_m", max_range_m, Field{"m", "objects farther away are not followed", 0.5, 20.0});
+    visit("smallest_m", smallest_m,
+          Field{"m", "narrower things do not move by themselves: legs of furniture, noise of the depth", 0.0,
+                1.0});
     visit("largest_m", largest_m, Field{"m", "wider things are furniture and walls, not people", 0.1, 5.0});
     visit("jump_m", jump_m,
           Field{"m", "step in range that separates an object from what lies behind", 0.05, 2.0});
@@ -57,6 +62,12 @@ struct ObstacleTrackerParams {
                 "and the way it has come, which must also take it off the place it was seen first: what "
                 "stands wanders by the depth's error, and by its own size as more of it comes into view",
                 0.0, 5.0});
+    visit("largest_misfit", largest_misfit,
+          Field{"",
+                "and its sightings must lie on its way: mean of their squared distances from where it was "
+                "expected, in standard deviations, 2 where the noise is as said; several things taken for "
+                "one do worse",
+                0.1, 100.0});
     visit("out_of_view_s", out_of_view_s,
           Field{"s", "one that walked out of view is believed to go on for this long", 0.0, 30.0});
     visit("unseen_s", unseen_s,
@@ -73,6 +84,7 @@ struct TrackedObstacle {
   Eigen::Vector2d first_p_odom = Eigen::Vector2d::Zero();    ///< where it was seen first
   double first_radius_m = 0.0;                               ///< half of its width as seen then
   double radius_m = 0.0;                                     ///< half of its visible width
+  double misfit = 0.0;  ///< mean squared distance of the sightings from where it was expected [sigma^2]
   int sightings = 0;
   Stamp stamp{};      ///< of p_odom
   Stamp last_seen{};  ///< of its last sighting

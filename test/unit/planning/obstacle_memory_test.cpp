@@ -266,5 +266,25 @@ TEST(ObstacleTracker, TakesNoThingThatComesIntoViewForAWalker) {
   EXPECT_EQ(of_walker.moving().size(), 1U);
 }
 
+// In a cluttered room another thing stands out in each image: 0.3 m wide, within 1 m of the last.
+TEST(ObstacleTracker, TakesNoClutterForAWalker) {
+  Random random(500001);
+  ObstacleTracker tracker(ObstacleTrackerParams{});
+  for (int i = 0; i < 300; ++i) {
+    const Vec p(random.uniform(1.6, 2.4), random.uniform(-0.5, 0.5));
+    tracker.update(withObject(evenScan(1.0 + 0.2 * i, 4.0), p, 0.15), {}, [](const Vec&) { return false; });
+    EXPECT_TRUE(tracker.moving().empty()) << i;
+  }
+}
+
+TEST(ObstacleTracker, TakesNothingNarrowForAWalker) {
+  ObstacleTracker tracker(ObstacleTrackerParams{});
+  for (int i = 0; i < 15; ++i) {
+    const LaserScan scan = withObject(evenScan(1.0 + 0.2 * i, 4.0), {2.0, -0.7 + 0.1 * i}, 0.03);
+    tracker.update(scan, {}, [](const Vec&) { return false; });
+    EXPECT_TRUE(tracker.moving().empty()) << i;
+  }
+}
+
 }  // namespace
 }  // namespace frugal_nav
