@@ -4,6 +4,18 @@
 #include <frugal_nav/ros/conversions.hpp>
 
 namespace frugal_nav {
+namespace {
+
+constexpr double kPlaneVariance =
+    1e-6;  // z, roll, pitch and sideways speed: zero, as sure as a filter likes it
+
+/// Place of the covariance of two of (x, y, yaw) among those of (x, y, z, roll, pitch, yaw).
+std::size_t planarIndex(int row, int column) {
+  constexpr int kPlanar[] = {0, 1, 5};
+  return static_cast<std::size_t>(6 * kPlanar[row] + kPlanar[column]);
+}
+
+}  // namespace
 
 Stamp toStamp(const ros::Time& time) {
   return Stamp(Duration(static_cast<std::int64_t>(time.sec) * 1'000'000'000 + time.nsec));
@@ -29,6 +41,26 @@ geometry_msgs::Twist toRos(const Twist2& twist) {
   msg.linear.x = twist.v_mps;
   msg.angular.z = twist.w_radps;
   return msg;
+}
+
+geometry_msgs::PoseWithCovariance toRos(const Pose2& pose, const Eigen::Matrix3d& covariance) {
+  geometry_msgs::PoseWithCovariance msg;
+  msg.pose = toRos(pose);
+  for (std::size_t i = 0; i < 6; ++i) msg.covariance[7 * i] = kPlaneVariance;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column)
+      msg.covariance[planarIndex(row, column)] = covariance(row, column);
+  }
+  return msg;
+}
+
+Eigen::Matrix3d planarCovariance(const geometry_msgs::PoseWithCovariance& pose) {
+  Eigen::Matrix3d covariance;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column)
+      covariance(row, column) = pose.covariance[planarIndex(row, column)];
+  }
+  return covariance;
 }
 
 std::optional<double> yawOf(const geometry_msgs::Quaternion& q) {
@@ -78,13 +110,7 @@ std::optional<Odometry> fromRos(const nav_msgs::Odometry& msg) {
   odometry.stamp = toStamp(msg.header.stamp);
   odometry.odom_from_base = *pose;
   odometry.twist = twist;
-  constexpr int kPlanar[] = {0, 1, 5};  // x, y, yaw among (x, y, z, roll, pitch, yaw)
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      odometry.pose_covariance(row, column) =
-          msg.pose.covariance[static_cast<std::size_t>(6 * kPlanar[row] + kPlanar[column])];
-    }
-  }
+  odometry.pose_covariance = planarCovariance(msg.pose);
   odometry.twist_covariance << msg.twist.covariance[0], msg.twist.covariance[5], msg.twist.covariance[30],
       msg.twist.covariance[35];
   return odometry;
@@ -92,25 +118,13 @@ std::optional<Odometry> fromRos(const nav_msgs::Odometry& msg) {
 
 nav_msgs::Odometry toRos(const Odometry& odometry, const std::string& odom_frame,
                          const std::string& base_frame) {
-  constexpr double kPlaneVariance =
-      1e-6;  // z, roll, pitch and sideways speed: zero, as sure as a filter likes it
   nav_msgs::Odometry msg;
   msg.header.stamp = toRos(odometry.stamp);
   msg.header.frame_id = odom_frame;
   msg.child_frame_id = base_frame;
-  msg.pose.pose = toRos(odometry.odom_from_base);
+  msg.pose = toRos(odometry.odom_from_base, odometry.pose_covariance);
   msg.twist.twist = toRos(odometry.twist);
-  for (std::size_t i = 0; i < 6; ++i) {
-    msg.pose.covariance[7 * i] = kPlaneVariance;
-    msg.twist.covariance[7 * i] = kPlaneVariance;
-  }
-  constexpr int kPlanar[] = {0, 1, 5};
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      msg.pose.covariance[static_cast<std::size_t>(6 * kPlanar[row] + kPlanar[column])] =
-          odometry.pose_covariance(row, column);
-    }
-  }
+  for (std::size_t i = 0; i < 6; ++i) msg.twist.covariance[7 * i] = kPlaneVariance;
   msg.twist.covariance[0] = odometry.twist_covariance(0, 0);
   msg.twist.covariance[5] = odometry.twist_covariance(0, 1);
   msg.twist.covariance[30] = odometry.twist_covariance(1, 0);

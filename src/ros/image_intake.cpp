@@ -38,9 +38,10 @@ ImageIntake::ImageIntake(ros::NodeHandle nh, const ImageIntakeParams& params, No
       callbacks_(std::move(callbacks)),
       time_([this](Stamp) { forget(); }),
       sensors_(params.base.base_frame),
-      odometry_(nh, params.base, diagnostics, time_, [this] { process(); }),
       transport_(nh) {
   checkTransport(transport_, params_.image_transport);
+  if (callbacks_.with_odometry)
+    odometry_.emplace(nh, params_.base, diagnostics_, time_, [this] { process(); });
   for (const char* topic : {kImage, kInfo}) diagnostics_.input(topic);
   timer_ = nh_.createTimer(ros::Duration(kCheckPeriod_s), [this](const ros::TimerEvent&) { onTimer(); });
 }
@@ -110,13 +111,17 @@ void ImageIntake::onTimer() {
   last_heard_ = clock_began ? now : std::min(last_heard_, now);  // which may have jumped back
   if (!image_sub_ || (now - last_heard_).toSec() <= params_.silent_after_s) return;
   const std::string silence = "no image on " + nh_.resolveName(kImage) + ": is the camera's driver running?";
-  diagnostics_.status(diagnostic_msgs::DiagnosticStatus::WARN, silence);
+  if (callbacks_.silent) {
+    callbacks_.silent(silence);
+  } else {
+    diagnostics_.status(diagnostic_msgs::DiagnosticStatus::WARN, silence);
+  }
   ROS_WARN_THROTTLE(10.0, "%s", silence.c_str());
 }
 
 void ImageIntake::forget() {
   pending_.clear();
-  odometry_.clear();
+  if (odometry_) odometry_->clear();
   last_image_.reset();
   callbacks_.time_jumped();
 }
@@ -155,7 +160,8 @@ ImageIntake::Lack ImageIntake::fill(CameraFrame& frame) {
   const std::optional<Eigen::Isometry3d> pose = sensors_.baseFrom(frame.frame);
   if (!pose) return {"no transform from " + params_.base.base_frame + " to " + frame.frame, false};
   frame.base_from_optical = *pose;
-  const OdometryIntake::Answer answer = odometry_.at("image", frame.stamp, waited_s());
+  if (!odometry_) return {};
+  const OdometryIntake::Answer answer = odometry_->at("image", frame.stamp, waited_s());
   if (!answer.odometry) return {answer.isFinal() ? answer.fault : "odometry", answer.isFinal()};
   frame.odometry = *answer.odometry;
   return {};

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <geometry_msgs/Pose.h>
+#include <geometry_msgs/PoseWithCovariance.h>
 #include <geometry_msgs/TwistStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
@@ -30,6 +31,11 @@ ros::Time toRos(Stamp stamp);
 
 geometry_msgs::Pose toRos(const Pose2& pose);
 geometry_msgs::Twist toRos(const Twist2& twist);
+/// A pose on the floor with its covariance of (x, y, yaw); z, roll and pitch are zero, as sure as a filter
+/// that takes it likes.
+geometry_msgs::PoseWithCovariance toRos(const Pose2& pose, const Eigen::Matrix3d& covariance);
+/// The covariance of (x, y, yaw).
+Eigen::Matrix3d planarCovariance(const geometry_msgs::PoseWithCovariance& pose);
 
 /// Yaw of a quaternion; nullopt when it is not finite or its length is not within 0.01 of 1.
 std::optional<double> yawOf(const geometry_msgs::Quaternion& q);

@@ -36,7 +36,7 @@ struct CameraFrame {
   boost::shared_ptr<const void> owner;  ///< keeps the picture's memory
   Pinhole camera;                       ///< of this image's size
   Eigen::Isometry3d base_from_optical = Eigen::Isometry3d::Identity();
-  Odometry odometry;  ///< at the stamp
+  Odometry odometry;  ///< at the stamp, where images wait for it
   std::string fault;  ///< empty: all of the above holds
 };
 
@@ -45,11 +45,11 @@ std_msgs::Header headerOf(const CameraFrame& frame);
 
 /// The inputs that the image nodes share: camera/image_raw, camera/camera_info, odom.
 ///
-/// An image is handed on, in the order of stamps, once its calibration, the camera's pose and odometry of its
-/// stamp or later are there, and `ready` agrees; or with a fault when it is bad or has waited too long: one
-/// call of `process` for each image received, whatever happens. Images are subscribed to only while someone
-/// listens to what was advertised here, one at a time, without a copy inside a nodelet manager. A stamp or
-/// ROS time that goes back forgets everything and calls `time_jumped`.
+/// An image is handed on, in the order of stamps, once its calibration, the camera's pose and (where wanted)
+/// odometry of its stamp or later are there, and `ready` agrees; or with a fault when it is bad or has waited
+/// too long: one call of `process` for each image received, whatever happens. Images are subscribed to only
+/// while someone listens to what was advertised here, one at a time, without a copy inside a nodelet manager.
+/// A stamp or ROS time that goes back forgets everything and calls `time_jumped`.
 class ImageIntake {
  public:
   struct Callbacks {
@@ -57,6 +57,10 @@ class ImageIntake {
     std::function<void()> time_jumped;
     /// May hold a sound image back; asked again at each input. Empty: never.
     std::function<bool(const CameraFrame&)> ready;
+    /// Hears why no image comes, again and again; empty: it becomes the node's status.
+    std::function<void(const std::string&)> silent = {};
+    /// Whether images wait for the odometry of their stamp; without, odom is not subscribed to.
+    bool with_odometry = true;
   };
 
   /// Throws ConfigError when there is no plugin of that image transport.
@@ -114,7 +118,7 @@ class ImageIntake {
   Callbacks callbacks_;
   TimeJumpWatch time_;
   SensorPoses sensors_;
-  OdometryIntake odometry_;
+  std::optional<OdometryIntake> odometry_;
   std::optional<Calibration> calibration_;
   std::deque<Pending> pending_;
   std::optional<Stamp> last_image_;
