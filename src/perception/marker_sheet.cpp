@@ -1,6 +1,8 @@
 #include <cstdio>
 #include <sstream>
 
+#include <opencv2/imgproc.hpp>
+
 #include <frugal_nav/common/params.hpp>
 #include <frugal_nav/perception/marker_sheet.hpp>
 
@@ -16,6 +18,12 @@ std::string trimmed(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
   return text;
+}
+
+void requireId(const MarkerDictionary& dictionary, int id) {
+  if (id >= 0 && id < dictionary.count()) return;
+  throw ConfigError(dictionary.name() + " has no id " + std::to_string(id) + ", only 0 to " +
+                    std::to_string(dictionary.count() - 1));
 }
 
 /// The black cells, those in a row as one rectangle so that no seams show.
@@ -50,10 +58,7 @@ void drawFooter(const std::string& text, const PaperSize& paper, double top_mm, 
 }  // namespace
 
 std::string markerSheet(const MarkerDictionary& dictionary, int id, double size_m, const PaperSize& paper) {
-  if (id < 0 || id >= dictionary.count()) {
-    throw ConfigError(dictionary.name() + " has no id " + std::to_string(id) + ", only 0 to " +
-                      std::to_string(dictionary.count() - 1));
-  }
+  requireId(dictionary, id);
   const double side_mm = 1000.0 * size_m;
   const double border_mm = kBorderShare * side_mm;
   const double needed_width_mm = side_mm + 2.0 * border_mm;
@@ -75,6 +80,19 @@ std::string markerSheet(const MarkerDictionary& dictionary, int id, double size_
              top_mm + side_mm + border_mm, svg);
   svg << "</svg>\n";
   return svg.str();
+}
+
+cv::Mat markerTexture(const MarkerDictionary& dictionary, int id, int cell_px) {
+  requireId(dictionary, id);
+  cv::Mat cells;
+  cv::copyMakeBorder(dictionary.cellsOf(id), cells, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(255));
+  cv::Mat image;
+  cv::resize(cells, image, cells.size() * cell_px, 0, 0, cv::INTER_NEAREST);
+  return image;
+}
+
+double markerTextureSide_m(const MarkerDictionary& dictionary, double size_m) {
+  return size_m * (dictionary.cells() + 2) / dictionary.cells();
 }
 
 }  // namespace frugal_nav

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/imgcodecs.hpp>
+
 #include <frugal_nav/common/params.hpp>
 #include <frugal_nav/perception/marker_map.hpp>
 #include <frugal_nav/perception/marker_sheet.hpp>
@@ -26,12 +28,15 @@ constexpr const char* kHelp =
     "  --dictionary  OpenCV's name (default DICT_4X4_50)\n"
     "  --map         all markers of a map, in its sizes\n"
     "  --paper       a4 (default), a3, a2, letter\n"
+    "  --format      svg (default), or png: the marker alone with a white border one cell wide, for a "
+    "simulator\n"
     "  --out         folder, made if need be (default: here)\n";
 
 struct Options {
   std::map<int, double> sizes_m;  // by id
   std::string dictionary = "DICT_4X4_50";
   PaperSize paper;
+  bool as_texture = false;
   std::filesystem::path out = ".";
 };
 
@@ -75,7 +80,7 @@ double parseSize(const std::string& text) {
 Options parse(const std::vector<std::string>& arguments) {
   std::map<std::string, std::string> given;
   for (std::size_t i = 0; i < arguments.size(); i += 2) {
-    static const std::string kKnown = " --ids --size --dictionary --map --paper --out ";
+    static const std::string kKnown = " --ids --size --dictionary --map --paper --format --out ";
     if (kKnown.find(" " + arguments[i] + " ") == std::string::npos)
       throw ConfigError("unknown option " + arguments[i] + "; see --help");
     if (i + 1 == arguments.size()) throw ConfigError(arguments[i] + " takes a value");
@@ -84,6 +89,10 @@ Options parse(const std::vector<std::string>& arguments) {
   Options options;
   if (given.count("--paper") > 0) options.paper = parsePaper(given["--paper"]);
   if (given.count("--out") > 0) options.out = given["--out"];
+  if (given.count("--format") > 0) {
+    options.as_texture = given["--format"] == "png";
+    if (!options.as_texture && given["--format"] != "svg") throw ConfigError("--format takes svg or png");
+  }
   if (given.count("--map") > 0) {
     if (given.count("--ids") + given.count("--size") + given.count("--dictionary") > 0)
       throw ConfigError("--map brings its own ids, sizes and dictionary");
@@ -99,17 +108,27 @@ Options parse(const std::vector<std::string>& arguments) {
   return options;
 }
 
+/// Whether the file could be written.
+bool write(const Options& options, const MarkerDictionary& dictionary, int id, double size_m,
+           const std::filesystem::path& path) {
+  constexpr int kTextureCell_px = 32;  // with 4x4 markers 256 px in all: halved without a rest down to cells
+  if (options.as_texture)
+    return cv::imwrite(path.string(), markerTexture(dictionary, id, kTextureCell_px),
+                       {cv::IMWRITE_PNG_BILEVEL, 1});
+  const std::string sheet = markerSheet(dictionary, id, size_m, options.paper);
+  std::ofstream file(path);
+  file << sheet;
+  return static_cast<bool>(file.flush());
+}
+
 void run(const Options& options) {
   const MarkerDictionary dictionary(options.dictionary);
   std::filesystem::create_directories(options.out);
   for (const auto& [id, size_m] : options.sizes_m) {
     char name[32];
-    std::snprintf(name, sizeof name, "marker_%03d.svg", id);
+    std::snprintf(name, sizeof name, "marker_%03d.%s", id, options.as_texture ? "png" : "svg");
     const std::filesystem::path path = options.out / name;
-    const std::string sheet = markerSheet(dictionary, id, size_m, options.paper);
-    std::ofstream file(path);
-    file << sheet;
-    if (!file.flush()) throw ConfigError("cannot write " + path.string());
+    if (!write(options, dictionary, id, size_m, path)) throw ConfigError("cannot write " + path.string());
     std::cout << path.string() << "\n";
   }
 }

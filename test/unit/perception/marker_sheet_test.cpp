@@ -76,5 +76,19 @@ TEST(MarkerSheet, RefusesWhatDoesNotFitOrDoesNotExist) {
   EXPECT_THROW(markerSheet(dictionary, 0, 0.0, PaperSize()), ConfigError);
 }
 
+TEST(MarkerTexture, IsTheMarkerInAWhiteBorderOneCellWide) {
+  const MarkerDictionary dictionary("DICT_4X4_50");
+  const cv::Mat texture = markerTexture(dictionary, 23, 16);
+  ASSERT_EQ(texture.size(), cv::Size(128, 128));
+  cv::Mat whole(8, 8, CV_8UC1, cv::Scalar(255));
+  dictionary.cellsOf(23).copyTo(whole(cv::Rect(1, 1, 6, 6)));
+  for (int row = 0; row < texture.rows; ++row) {
+    for (int column = 0; column < texture.cols; ++column)
+      ASSERT_EQ(texture.at<unsigned char>(row, column), whole.at<unsigned char>(row / 16, column / 16));
+  }
+  EXPECT_NEAR(markerTextureSide_m(dictionary, 0.3), 0.4, 1e-12);
+  EXPECT_THROW(markerTexture(dictionary, 50, 16), ConfigError);
+}
+
 }  // namespace
 }  // namespace frugal_nav
