@@ -82,8 +82,8 @@ void addBoard(const MappedMarker& mapped, const std_msgs::Header& header, const 
   board.scale.z = kThickness_m;
   Marker name = shape("ids", mapped.id, Marker::TEXT_VIEW_FACING, header, colorOf(0.1F, 0.1F, 0.1F, 1.0F));
   name.pose.position = board.pose.position;
-  name.pose.position.z += 0.9 * mapped.size_m;
-  name.scale.z = 0.7 * mapped.size_m;
+  name.pose.position.z += 1.2 * mapped.size_m;
+  name.scale.z = mapped.size_m;
   name.text = std::to_string(mapped.id);
   array.markers.push_back(board);
   array.markers.push_back(name);

@@ -139,15 +139,19 @@ void SimulatorNode::build(const std::string& world, std::uint64_t seed) {
       std::make_unique<sim::Simulator>(std::move(loaded.scene), robot_, params_.simulator, seed, start);
   world_ = world;
   seed_ = seed;
-  if (!params_.publish_world_tf) return;
-  geometry_msgs::TransformStamped world_from_odom;
-  world_from_odom.header.frame_id = "world";
-  world_from_odom.header.stamp = toRos(simulator_->stamp());
-  world_from_odom.child_frame_id = "odom";
-  world_from_odom.transform.translation.x = start.x_m;
-  world_from_odom.transform.translation.y = start.y_m;
-  world_from_odom.transform.rotation = toRos(start).orientation;
-  world_tf_.sendTransform(world_from_odom);
+  if (params_.publish_world_tf) publishWorldTf("odom", start);
+  if (!params_.map_frame.empty()) publishWorldTf(params_.map_frame, {});
+}
+
+void SimulatorNode::publishWorldTf(const std::string& frame, const Pose2& world_from_frame) {
+  geometry_msgs::TransformStamped transform;
+  transform.header.frame_id = "world";
+  transform.header.stamp = toRos(simulator_->stamp());
+  transform.child_frame_id = frame;
+  transform.transform.translation.x = world_from_frame.x_m;
+  transform.transform.translation.y = world_from_frame.y_m;
+  transform.transform.rotation = toRos(world_from_frame).orientation;
+  world_tf_.sendTransform(transform);
 }
 
 void SimulatorNode::run() {

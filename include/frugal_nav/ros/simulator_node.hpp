@@ -40,6 +40,7 @@ struct SimulatorNodeParams {
   double lockstep_wait_s = 2.0;
   double lockstep_start_wait_s = 30.0;
   bool publish_world_tf = false;
+  std::string map_frame;
   sim::SimulatorParams simulator = withCamera();
 
   template <class Visitor>
@@ -69,6 +70,10 @@ struct SimulatorNodeParams {
                 600.0});
     visit("publish_world_tf", publish_world_tf,
           Field{"", "publish world -> odom at the start pose, for rviz: the truth is otherwise kept apart"});
+    visit(
+        "map_frame", map_frame,
+        Field{"",
+              "publish world -> this frame, which is the same: that of a map of the world; empty for none"});
     simulator.fields(visit);
   }
   std::string check() const;
@@ -96,6 +101,8 @@ class SimulatorNode {
   void subscribe();
   /// Builds the world anew; throws ConfigError and leaves all as it was when it cannot.
   void build(const std::string& world, std::uint64_t seed);
+
+  void publishWorldTf(const std::string& frame, const Pose2& world_from_frame);
 
   bool graphIsConnected();
   void advance();
