@@ -1,5 +1,6 @@
+#include "marker_edges.hpp"
+
 #include <algorithm>
-#include <cmath>
 
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
@@ -11,21 +12,6 @@ namespace frugal_nav {
 namespace {
 
 using Quad = std::vector<cv::Point2f>;
-
-double shortestSide(const Quad& quad) {
-  double shortest = cv::norm(quad[0] - quad[3]);
-  for (std::size_t i = 0; i < 3; ++i) shortest = std::min(shortest, cv::norm(quad[i] - quad[i + 1]));
-  return shortest;
-}
-
-/// The quad's corners where the edges' gradients say they are. OpenCV's own refinement has one window for all
-/// markers; here it is at most a cell, so that no other corner of the code is in it.
-void refine(const cv::Mat& grey, int cells, Quad& quad) {
-  constexpr int kMaxHalfWindow_px = 5;
-  const int half = std::clamp(static_cast<int>(0.7 * shortestSide(quad) / cells), 1, kMaxHalfWindow_px);
-  const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.01);
-  cv::cornerSubPix(grey, quad, {half, half}, {-1, -1}, until);
-}
 
 MarkerCorners toCorners(int id, const Quad& quad) {
   MarkerCorners marker;
@@ -87,14 +73,18 @@ MarkerFindings MarkerDetector::detect(const cv::Mat& image) const {
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   std::vector<Quad> quads;
   std::vector<int> ids;
+  cv::Mat light;
   cv::aruco::detectMarkers(grey, impl_->dictionary, quads, ids, impl_->settingsFor(grey));
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (!impl_->isListed(ids[i])) {
       findings.unlisted_ids.push_back(ids[i]);
       continue;
     }
-    refine(grey, impl_->cells, quads[i]);
-    if (shortestSide(quads[i]) > 0.0) findings.markers.push_back(toCorners(ids[i], quads[i]));
+    MarkerCorners marker = toCorners(ids[i], quads[i]);
+    if (light.empty()) light = marker_detail::linearLight(grey);
+    if (!marker_detail::fitEdges(light, impl_->cells, marker.pixels)) continue;
+    marker.is_clipped = marker_detail::isClipped(light, impl_->cells, marker.pixels);
+    findings.markers.push_back(marker);
   }
   std::stable_sort(findings.markers.begin(), findings.markers.end(),
                    [](const MarkerCorners& a, const MarkerCorners& b) { return a.id < b.id; });

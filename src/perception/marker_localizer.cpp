@@ -176,7 +176,8 @@ std::vector<MarkerLocalizer::Candidate> MarkerLocalizer::fitAll(
         jacobian << -base_from_map, base_from_map * marker_detail::crossMatrix(offset);
         jacobian = optical_from_base.linear() * jacobian;
         marker_detail::addCorner(estimator_.camera(), optical_from_base * (base_from_map * offset), jacobian,
-                                 sighting.corners.pixels[i], params_.pose.corner_sigma_px, residuals);
+                                 sighting.corners.pixels[i], params_.pose.sigmaOf_px(sighting.corners),
+                                 residuals);
       }
     }
     // The floor: height, and the horizontal part of the robot's upward axis, which turns by dr x up.

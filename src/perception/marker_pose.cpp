@@ -163,7 +163,7 @@ MarkerPose MarkerPoseEstimator::estimate(const MarkerCorners& corners, double si
   const std::vector<cv::Point2d> flat = flatCorners(camera_, corners);
   if (flat.empty() || !(size_m > 0.0)) return pose;
   const auto evaluate = [&](const Eigen::Isometry3d& camera_from_marker) {
-    return cornerResiduals(camera_, corners, size_m, params_.corner_sigma_px, camera_from_marker);
+    return cornerResiduals(camera_, corners, size_m, params_.sigmaOf_px(corners), camera_from_marker);
   };
   for (const Eigen::Isometry3d& start : startPoses(flat, size_m)) {
     // A flipped solution need not be a minimum in pixels: then it is kept as it came.
@@ -175,7 +175,7 @@ MarkerPose MarkerPoseEstimator::estimate(const MarkerCorners& corners, double si
     pose.solutions.push_back({kept, imageError(camera_, corners, size_m, kept)});
   }
   if (pose.solutions.empty()) return pose;
-  chooseSolution(predicted, pose);
+  chooseSolution(params_.sigmaOf_px(corners), predicted, pose);
   const Eigen::Isometry3d& chosen = pose.solutions.front().camera_from_marker;
   pose.range_m = chosen.translation().norm();
   pose.object_error_m = objectError(flat, size_m, chosen);
@@ -188,14 +188,14 @@ MarkerPose MarkerPoseEstimator::estimate(const MarkerCorners& corners, double si
   return pose;
 }
 
-void MarkerPoseEstimator::chooseSolution(const std::optional<Eigen::Isometry3d>& predicted,
+void MarkerPoseEstimator::chooseSolution(double sigma_px, const std::optional<Eigen::Isometry3d>& predicted,
                                          MarkerPose& pose) const {
   pose.status = MarkerPose::Status::kGood;
   if (pose.solutions.size() < 2) return;
   MarkerSolution& better = pose.solutions[0];
   MarkerSolution& worse = pose.solutions[1];
   if (worse.image_error_px < better.image_error_px) std::swap(better, worse);
-  pose.error_ratio = worse.image_error_px / std::max(better.image_error_px, params_.corner_sigma_px);
+  pose.error_ratio = worse.image_error_px / std::max(better.image_error_px, sigma_px);
   if (pose.error_ratio >= params_.flip_ratio) return;
   const double apart = angleApart(better.camera_from_marker, worse.camera_from_marker);
   if (apart <= params_.same_pose_deg * kRadFromDeg) return;

@@ -52,6 +52,7 @@ struct MarkerDetectorParams {
 struct MarkerCorners {
   int id = -1;
   std::array<Eigen::Vector2d, 4> pixels;  ///< the centre of the image's first pixel is (0, 0)
+  bool is_clipped = false;                ///< the white around it is overexposed: it spreads over the black
 };
 
 /// What an image shows.
@@ -71,7 +72,8 @@ class MarkerDetector {
   MarkerDetector(MarkerDetector&&) noexcept;
   MarkerDetector& operator=(MarkerDetector&&) noexcept;
 
-  /// Searches an 8-bit image, grey or BGR.
+  /// Searches an 8-bit image, grey or BGR, in sRGB as cameras give it. A marker whose edges are not found is
+  /// not given out.
   MarkerFindings detect(const cv::Mat& image) const;
 
  private:

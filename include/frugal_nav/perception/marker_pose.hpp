@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -16,6 +17,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// What is believed of a marker's pose.
 struct MarkerPoseParams {
   double corner_sigma_px = 0.3;
+  double clipped_sigma_px = 1.5;
   double max_image_error_px = 2.0;
   double min_side_px = 12.0;
   double min_range_m = 0.1;
@@ -30,6 +32,9 @@ struct MarkerPoseParams {
     visit("corner_sigma_px", corner_sigma_px,
           Field{"px", "standard deviation of a corner, each way: what the covariance is made from", 0.02,
                 10.0});
+    visit("clipped_sigma_px", clipped_sigma_px,
+          Field{"px", "the same of a marker whose white is overexposed, and so spreads over the black", 0.02,
+                20.0});
     visit("max_image_error_px", max_image_error_px,
           Field{"px", "a pose whose corners lie farther off on average is refused", 0.1, 50.0});
     visit("min_side_px", min_side_px,
@@ -48,6 +53,10 @@ struct MarkerPoseParams {
           Field{"deg", "two solutions turned by less are one: either will do", 0.0, 30.0});
     visit("max_prediction_error_deg", max_prediction_error_deg,
           Field{"deg", "undecided: the solution within that of the predicted pose is taken", 1.0, 90.0});
+  }
+  /// Of the corners of one marker.
+  double sigmaOf_px(const MarkerCorners& corners) const {
+    return corners.is_clipped ? std::max(corner_sigma_px, clipped_sigma_px) : corner_sigma_px;
   }
   std::string check() const {
     return min_range_m < max_range_m ? "" : "min_range_m must be less than max_range_m";
@@ -107,7 +116,8 @@ class MarkerPoseEstimator {
   const Pinhole& camera() const { return camera_; }
 
  private:
-  void chooseSolution(const std::optional<Eigen::Isometry3d>& predicted, MarkerPose& pose) const;
+  void chooseSolution(double sigma_px, const std::optional<Eigen::Isometry3d>& predicted,
+                      MarkerPose& pose) const;
   void judge(const MarkerCorners& corners, MarkerPose& pose) const;
 
   MarkerPoseParams params_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -98,13 +99,20 @@ inline void drawMarker(const MarkerDictionary& dictionary, int id, double size_m
   }
 }
 
-/// What a lens and a sensor make of a drawing.
+/// The byte of an image in sRGB for light from 0 to 255.
+inline double encoded(double light) {
+  const double share = std::clamp(light / 255.0, 0.0, 1.0);
+  return 255.0 * (share <= 0.0031308 ? 12.92 * share : 1.055 * std::pow(share, 1.0 / 2.4) - 0.055);
+}
+
+/// What a lens and a sensor make of a drawing, whose values are light.
 inline cv::Mat expose(cv::Mat drawing, const MarkerLight& light, Random& random) {
   if (light.blur_px > 0.0) cv::GaussianBlur(drawing, drawing, {0, 0}, light.blur_px);
   cv::Mat image(drawing.size(), CV_8UC1);
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
-      const double grey = drawing.at<float>(y, x) + (light.noise > 0.0 ? random.normal(light.noise) : 0.0);
+      const double grey =
+          encoded(drawing.at<float>(y, x)) + (light.noise > 0.0 ? random.normal(light.noise) : 0.0);
       image.at<unsigned char>(y, x) = cv::saturate_cast<unsigned char>(grey);
     }
   }
@@ -148,17 +156,9 @@ inline Eigen::Isometry3d facingCamera(const Eigen::Vector3d& centre_m, double ya
   return pose;
 }
 
-/// Four markers of two sizes on the wall x = 4, all facing -x, the last one turned a little.
+/// Four markers on a wall.
 inline MarkerMap wallMap() {
-  return parseMarkerMap(R"(
-size_m: 0.20
-markers:
-  - {id: 0, position: [4.0, 0.6, 0.5], rpy: [1.5707963, 0.0, -1.5707963]}
-  - {id: 1, position: [4.0, -0.5, 0.9], rpy: [1.5707963, 0.0, -1.5707963]}
-  - {id: 2, size_m: 0.15, position: [4.0, 0.1, 0.4], rpy: [1.5707963, 0.0, -1.5707963]}
-  - {id: 3, position: [3.7, -0.9, 0.6], rpy: [1.5707963, 0.0, -2.2]}
-)",
-                        "wall");
+  return loadMarkerMap(std::string(FRUGAL_NAV_SOURCE_DIR) + "/test/data/marker_wall.yaml");
 }
 
 /// A camera 0.3 m over the floor that looks ahead and 5 degrees up.
