@@ -170,6 +170,11 @@ void CameraRoom::closeRow(double x_m, double from_y_m, double to_y_m) {
       "partition", look, {length, tall});
 }
 
+void CameraRoom::addPillar(const Eigen::Vector2d& p, double width_m) {
+  put(single("pillar", boxPart({width_m, width_m}, 0.0, height_m_)), {p.x(), p.y(), 0.0}, "pillar", walls_,
+      {width_m, height_m_});
+}
+
 Furniture CameraRoom::drawFurniture() {
   switch (random_.integer(0, 4)) {
     case 0:

@@ -29,6 +29,8 @@ class CameraRoom {
   void furnish(double right_m, double left_m, double lane_end_m, double row_x_m);
   /// A box, a bin or a stack of boxes that takes `width_m` across the room.
   void addObstacle(const Eigen::Vector2d& p, double width_m, double height_m);
+  /// A square pillar up to the ceiling, painted as the walls are.
+  void addPillar(const Eigen::Vector2d& p, double width_m);
 
   std::vector<Solid> solids;  ///< all that was built, overhangs too
 

@@ -6,7 +6,7 @@
 
 namespace frugal_nav::eval {
 
-/// The localization filter on recorded robots that saw landmarks.
+/// Localization by markers in simulated halls, and the filter on recorded robots that saw landmarks.
 std::unique_ptr<Suite> makeMarkersSuite();
 
 }  // namespace frugal_nav::eval

@@ -1,5 +1,7 @@
 #include "mrclam_drive.hpp"
 
+#include "pose_score.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -8,8 +10,6 @@
 #include <map>
 #include <optional>
 #include <sstream>
-
-#include <Eigen/Cholesky>
 
 namespace frugal_nav::eval {
 namespace {
@@ -83,24 +83,6 @@ class TruthReader {
   const std::vector<MrclamLine>& truth_;
 };
 
-/// Sums of squares over a run.
-struct Errors {
-  double position = 0.0;
-  double yaw = 0.0;
-  double normalised = 0.0;
-  double count = 0.0;
-
-  void add(const PoseEstimate& estimate, const Pose2& truth) {
-    const Pose2& pose = estimate.map_from_base;
-    const Eigen::Vector3d error(pose.x_m - truth.x_m, pose.y_m - truth.y_m,
-                                angleBetween(truth.yaw_rad, pose.yaw_rad));
-    position += error.head<2>().squaredNorm();
-    yaw += error[2] * error[2];
-    normalised += error.dot(estimate.covariance.llt().solve(error)) / 3.0;
-    ++count;
-  }
-};
-
 LandmarkSighting sightingOf(const MrclamLine& line, const MrclamParams& params) {
   LandmarkSighting sighting;
   sighting.p_map = {line.values[0], line.values[1]};
@@ -150,7 +132,7 @@ std::vector<MrclamRun> readMrclam(const std::string& folder) {
 MrclamScore scoreMrclam(const MrclamRun& run, const MrclamParams& params) {
   const TruthReader truth(run.truth);
   PoseFilter filter(params.filter);
-  Errors errors;
+  PoseScore errors;
   auto sighting = run.measurements.begin();
   for (const MrclamLine& line : run.odometry) {
     for (; sighting != run.measurements.end() && sighting->stamp <= line.stamp; ++sighting) {
@@ -165,14 +147,14 @@ MrclamScore scoreMrclam(const MrclamRun& run, const MrclamParams& params) {
     }
     errors.add(*filter.estimate(), *pose);
   }
-  if (errors.count == 0.0) throw ConfigError(run.robot + ": no truth at any odometry stamp");
+  if (errors.count() == 0) throw ConfigError(run.robot + ": no truth at any odometry stamp");
 
   const auto gated = static_cast<double>(filter.counts().of(FilterInput::kSighting, FilterStatus::kGated));
   const auto used = static_cast<double>(filter.counts().of(FilterInput::kSighting, FilterStatus::kUsed));
   MrclamScore score;
-  score.position_rmse_m = std::sqrt(errors.position / errors.count);
-  score.yaw_rmse_deg = std::sqrt(errors.yaw / errors.count) * 180.0 / M_PI;
-  score.anees = errors.normalised / errors.count;
+  score.position_rmse_m = errors.positionRmse_m();
+  score.yaw_rmse_deg = errors.yawRmse_deg();
+  score.anees = errors.anees();
   score.gated_share = gated + used > 0.0 ? gated / (gated + used) : 0.0;
   return score;
 }

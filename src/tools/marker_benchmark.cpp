@@ -1,9 +1,10 @@
-// One image's markers found, and the robot placed by them.
+// One image's markers found, and the robot placed by them; a step of the filter.
 
 #include <benchmark/benchmark.h>
 #include <opencv2/imgproc.hpp>
 
 #include <frugal_nav/common/random.hpp>
+#include <frugal_nav/localization/pose_ekf.hpp>
 #include <frugal_nav/perception/marker_detector.hpp>
 #include <frugal_nav/perception/marker_dictionary.hpp>
 #include <frugal_nav/perception/marker_localizer.hpp>
@@ -97,6 +98,26 @@ void markerFix(benchmark::State& state) {
   state.counters["images_per_s"] = benchmark::Counter(1.0, benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(markerFix)->Unit(benchmark::kMillisecond);
+
+/// A prediction over 20 ms by wheels and gyro and a correction by a pose.
+void poseFilterStep(benchmark::State& state) {
+  const PoseEkf ekf{PoseFilterParams()};
+  constexpr Duration kPeriod = std::chrono::milliseconds(20);
+  const Twist2 twist{0.3, 0.2};
+  Stamp stamp{kPeriod};
+  const Eigen::Vector3d sigmas(0.02, 0.02, 0.01);
+  PoseFix fix{{}, sigmas.cwiseAbs2().asDiagonal()};
+  EkfState filter = ekf.withPose(ekf.initial(stamp), stamp, fix).state;
+  for (auto _ : state) {
+    stamp += kPeriod;
+    fix.map_from_base = fix.map_from_base * arcMotion(twist, toSeconds(kPeriod));
+    filter.gyro_radps = HeldInput<double>{stamp, twist.w_radps};
+    filter = ekf.withTwist(filter, stamp, twist);
+    filter = ekf.withPose(filter, stamp, fix).state;
+    benchmark::DoNotOptimize(filter);
+  }
+}
+BENCHMARK(poseFilterStep)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace frugal_nav

@@ -35,6 +35,8 @@ class LidarStack {
 
   /// A goal in odom, whose heading does not matter.
   void setGoal(const Pose2& odom_from_goal, Stamp stamp);
+  /// Where that goal is in odom now.
+  void moveGoal(const Pose2& odom_from_goal) { mission_.moveGoal(odom_from_goal); }
 
   /// ticks -> odometry -> mission -> base.
   BaseCommand addTicks(Stamp stamp, std::int64_t left, std::int64_t right);

@@ -78,11 +78,13 @@ TEST(MarkersSuite, ScoresEveryRobotOfAFolder) {
   EXPECT_GT(rows[0].at("anees"), 0.0);
   EXPECT_LT(rows[0].at("anees"), 1.0);
   EXPECT_EQ(rows[0].at("gated_share"), 0.0);
-  EXPECT_EQ(makeSuite("markers")->summarise(rows).at("anees"), rows[0].at("anees"));
+  const auto suite = makeSuite("markers");
+  suite->configure({{"mrclam", folder.path()}});
+  EXPECT_EQ(suite->summarise(rows).at("anees"), rows[0].at("anees"));
+  EXPECT_THAT(suite->runTrial({1, 500001}), testing::IsEmpty());
 }
 
 TEST(MarkersSuite, NamesWhatIsWrongWithAFolder) {
-  EXPECT_THAT(faultOn(""), testing::HasSubstr("--mrclam"));
   EXPECT_THAT(faultOn("/no/such/folder"), testing::HasSubstr("/no/such/folder"));
   const test::TempFolder folder;
   writeCircle(folder);
