@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <frugal_nav/common/params.hpp>
 #include <frugal_nav/sim/contact_world.hpp>
 
 namespace frugal_nav::eval {
@@ -42,7 +43,23 @@ void addContacts(const std::vector<sim::Contact>& contacts, DriveRecord& record)
 
 }  // namespace
 
-DriveRecord drive(sim::Simulator& simulator, Driver& driver, double time_limit_s) {
+std::ofstream openCsv(const std::filesystem::path& path, const char* header) {
+  std::ofstream file(path);
+  if (!file) throw ConfigError("cannot write " + path.string());
+  file << header << "\n";
+  return file;
+}
+
+void writeTrajectory(const std::filesystem::path& path, const std::vector<sim::GroundTruth>& trajectory) {
+  std::ofstream file = openCsv(path, "time_s,x_m,y_m,yaw_rad");
+  for (const sim::GroundTruth& truth : trajectory) {
+    const Pose2& pose = truth.world_from_base;
+    file << toSeconds(truth.stamp) << "," << pose.x_m << "," << pose.y_m << "," << pose.yaw_rad << "\n";
+  }
+}
+
+DriveRecord drive(sim::Simulator& simulator, Driver& driver, double time_limit_s,
+                  const std::function<void()>& before_step) {
   DriveRecord record;
   record.min_clearance_m = kFarthest_m;
   sim::ContactWorld contact_world(simulator.scene(), simulator.robot());
@@ -51,6 +68,7 @@ DriveRecord drive(sim::Simulator& simulator, Driver& driver, double time_limit_s
   Pose2 last = simulator.groundTruth().world_from_base;
   record.outcome = "time_out";
   while (toSeconds(simulator.stamp() - begin) < time_limit_s) {
+    before_step();
     const sim::SimOutput output = simulator.step();
     addContacts(output.contacts, record);
     if (output.ticks) simulator.setCommand(driver.addTicks(*output.ticks));

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -41,7 +44,15 @@ struct DriveRecord {
   std::vector<sim::GroundTruth> trajectory;  ///< ten a second
 };
 
-/// Lets a driver drive until it is at the goal, gives up, or the time is over.
-DriveRecord drive(sim::Simulator& simulator, Driver& driver, double time_limit_s);
+/// A CSV file of its own for trajectories and outlines, with its header line; throws ConfigError.
+std::ofstream openCsv(const std::filesystem::path& path, const char* header);
+/// The places a robot went as a CSV file; throws ConfigError.
+void writeTrajectory(const std::filesystem::path& path, const std::vector<sim::GroundTruth>& trajectory);
+
+/// Lets a driver drive until it is at the goal, gives up, or the time is over. `before_step` moves what moves
+/// by itself.
+DriveRecord drive(
+    sim::Simulator& simulator, Driver& driver, double time_limit_s,
+    const std::function<void()>& before_step = [] {});
 
 }  // namespace frugal_nav::eval

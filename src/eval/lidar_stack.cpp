@@ -1,6 +1,8 @@
 #include "node_params.hpp"
 
+#include <filesystem>
 #include <optional>
+#include <vector>
 
 #include <frugal_nav/eval/lidar_stack.hpp>
 
@@ -11,14 +13,19 @@ BodyExtent extentOf(const RobotModel& robot) { return {robot.halfWidth_m(), robo
 
 }  // namespace
 
-LidarStackParams loadLidarStack(const std::string& config_dir) {
+LidarStackParams loadLidarStack(const std::string& config_dir, const std::string& profile) {
+  const auto files = [&](const std::string& name) {
+    std::vector<std::string> paths{config_dir + "/" + name};
+    const std::string own = config_dir + "/" + profile + "/" + name;
+    if (std::filesystem::exists(own)) paths.push_back(own);
+    return paths;
+  };
   LidarStackParams params;
-  params.odometry = loadPart<WheelOdometryParams>(
-      {config_dir + "/wheel_odometry.yaml", config_dir + "/simulated/wheel_odometry.yaml"});
-  params.planner = loadPart<LidarPlannerParams>({config_dir + "/planner.yaml"});
-  params.avoidance = loadPart<LidarAvoidanceParams>({config_dir + "/lidar_avoidance.yaml"});
-  params.mission = loadPart<MissionParams>({config_dir + "/mission.yaml"});
-  params.base = loadPart<BaseControlParams>({config_dir + "/base_controller.yaml"});
+  params.odometry = loadPart<WheelOdometryParams>(files("wheel_odometry.yaml"));
+  params.planner = loadPart<LidarPlannerParams>(files("planner.yaml"));
+  params.avoidance = loadPart<LidarAvoidanceParams>(files("lidar_avoidance.yaml"));
+  params.mission = loadPart<MissionParams>(files("mission.yaml"));
+  params.base = loadPart<BaseControlParams>(files("base_controller.yaml"));
   return params;
 }
 

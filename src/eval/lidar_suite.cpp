@@ -1,18 +1,17 @@
 #include "lidar_suite.hpp"
 
 #include "lidar_drive.hpp"
+#include "lidar_worlds.hpp"
+#include "stack_driver.hpp"
 #include "straight_drive.hpp"
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <string>
 #include <vector>
 
 #include <frugal_nav/common/params.hpp>
-#include <frugal_nav/eval/lidar_stack.hpp>
-#include <frugal_nav/eval/random_world.hpp>
 #include <frugal_nav/eval/statistics.hpp>
 #include <frugal_nav/robot/robot_model.hpp>
 
@@ -24,10 +23,25 @@ constexpr double kGoalRadius_m = 0.30;
 // What is left beside the disc that fits all the way from start to goal.
 constexpr double kClearance_m = 0.10;
 
+const std::vector<std::string> kMethods = {"straight", "sectors_only", "sectors",
+                                           "vfh_plus", "vfh_star",     "dwa"};
+const std::vector<std::string> kParts = {"rooms", "doorway", "moving", "near_target"};
+
+/// The first of some names that is not known; empty when all are.
+std::string unknownName(const std::vector<std::string>& names, const std::vector<std::string>& known) {
+  const auto unknown = std::find_if(names.begin(), names.end(), [&known](const std::string& name) {
+    return std::find(known.begin(), known.end(), name) == known.end();
+  });
+  return unknown == names.end() ? "" : *unknown;
+}
+
 struct LidarOptions {
-  std::vector<std::string> methods = {"straight", "sectors_only", "sectors"};
+  std::vector<std::string> methods = {"sectors", "vfh_plus", "vfh_star", "dwa"};
+  std::vector<std::string> parts = kParts;
   double scan_rate_hz = 10.0;
   double slip_scale = 1.0;
+  double door_spare_m = 0.04;
+  double target_gap_m = 0.35;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -36,20 +50,31 @@ struct LidarOptions {
         Field{
             "",
             "what drives: straight (at the goal, no avoidance), sectors_only (the sector method aimed at the "
-            "goal), sectors (the whole stack)",
+            "goal), or the whole stack with a method of lidar_avoidance",
             {},
             {},
-            "straight|sectors_only|sectors"});
+            "straight|sectors_only|sectors|vfh_plus|vfh_star|dwa"});
+    visit("parts", parts,
+          Field{"",
+                "rooms (and corridors), doorway (two rooms), moving (people and a cylinder cross), "
+                "near_target (a "
+                "thing beside the goal)",
+                {},
+                {},
+                "rooms|doorway|moving|near_target"});
     visit("scan_rate_hz", scan_rate_hz, Field{"Hz", "scans a second", 5.5, 10.0});
     visit("slip_scale", slip_scale, Field{"", "scales the wheels' slip; 0 for none", 0.0, 20.0});
+    visit("door_spare_m", door_spare_m, Field{"m", "what the doorway is wider than the robot", 0.01, 1.0});
+    visit("target_gap_m", target_gap_m,
+          Field{"m", "from the goal to the surface of the thing beside it", 0.0, 2.0});
   }
   std::string check() const {
     if (methods.empty()) return "methods names none";
-    for (const std::string& method : methods) {
-      if (method != "straight" && method != "sectors_only" && method != "sectors")
-        return "methods: \"" + method + "\" is none of straight, sectors_only, sectors";
-    }
-    return "";
+    if (parts.empty()) return "parts names none";
+    const std::string method = unknownName(methods, kMethods);
+    if (!method.empty()) return "methods: \"" + method + "\" is not known";
+    const std::string part = unknownName(parts, kParts);
+    return part.empty() ? "" : "parts: \"" + part + "\" is not known";
   }
 };
 
@@ -69,48 +94,6 @@ class StraightDriver : public Driver {
   StraightDrive drive_;
 };
 
-/// The node graph's classes.
-class StackDriver : public Driver {
- public:
-  StackDriver(const LidarStackParams& params, const RobotModel& robot, const Pose2& odom_from_goal, Stamp now)
-      : stack_(params, robot) {
-    stack_.setGoal(odom_from_goal, now);
-  }
-  Twist2 addTicks(const sim::WheelTicks& ticks) override {
-    return stack_.addTicks(ticks.stamp, ticks.left, ticks.right).velocity;
-  }
-  Twist2 addScan(const LaserScan& scan) override {
-    recoveries_ = std::max(recoveries_, stack_.mission().recoveries());
-    return stack_.addScan(scan).velocity;
-  }
-  Pose2 odometry() const override { return stack_.odometry().odom_from_base; }
-  bool reached() const override { return stack_.mission().status().phase == MissionPhase::kReached; }
-  std::string abortReason() const override {
-    const MissionStatus& status = stack_.mission().status();
-    return status.phase == MissionPhase::kAborted ? status.reason : "";
-  }
-  int recoveries() const override { return recoveries_; }
-
- private:
-  LidarStack stack_;
-  int recoveries_ = 0;
-};
-
-std::ofstream openCsv(const std::filesystem::path& path, const char* header) {
-  std::ofstream file(path);
-  if (!file) throw ConfigError("cannot write " + path.string());
-  file << header << "\n";
-  return file;
-}
-
-void writeTrajectory(const std::filesystem::path& path, const std::vector<sim::GroundTruth>& trajectory) {
-  std::ofstream file = openCsv(path, "time_s,x_m,y_m,yaw_rad");
-  for (const sim::GroundTruth& truth : trajectory) {
-    const Pose2& pose = truth.world_from_base;
-    file << toSeconds(truth.stamp) << "," << pose.x_m << "," << pose.y_m << "," << pose.yaw_rad << "\n";
-  }
-}
-
 void writeWorld(const std::filesystem::path& path, const std::vector<Solid>& solids) {
   std::ofstream file = openCsv(path, "id,kind,x_m,y_m");
   for (std::size_t i = 0; i < solids.size(); ++i) {
@@ -120,7 +103,7 @@ void writeWorld(const std::filesystem::path& path, const std::vector<Solid>& sol
   }
 }
 
-/// The rows of one method, for the summary.
+/// Rows of one method, for the summary.
 struct MethodRows {
   std::vector<double> success, contacts, clearance_m, time_s, sign_changes, length_m;
 };
@@ -129,12 +112,32 @@ double sum(const std::vector<double>& values) {
   return mean(values).value_or(0.0) * static_cast<double>(values.size());
 }
 
+MethodRows collect(const Rows& rows, const std::string& method, const std::vector<std::string>& parts) {
+  MethodRows of;
+  for (const Json& row : rows) {
+    if (row.at("method") != method || !unknownName({row.at("part")}, parts).empty()) continue;
+    const bool success = row.at("success");
+    of.success.push_back(success ? 1.0 : 0.0);
+    of.contacts.push_back(row.at("contacts"));
+    of.clearance_m.push_back(row.at("min_clearance_m"));
+    of.sign_changes.push_back(row.at("turn_sign_changes"));
+    of.length_m.push_back(row.at("length_m"));
+    if (success) of.time_s.push_back(row.at("time_s"));
+  }
+  return of;
+}
+
+Json total(const std::vector<double>& values) {
+  return values.empty() ? Json() : Json(static_cast<int>(sum(values)));
+}
+
 class LidarSuite : public SuiteWithOptions<LidarOptions> {
  public:
   std::string help() const override {
-    return "random rooms and corridors, driven by the LIDAR: the sector method against driving straight";
+    return "random rooms, corridors and doorways, people that cross, and goals beside things, driven by the "
+           "LIDAR";
   }
-  int defaultTrials() const override { return 200; }
+  int defaultTrials() const override { return 100; }
 
   void prepare(const RunContext& context) override {
     robot_ = loadRobot(context.share_dir + "/urdf/frugal_bot.urdf");
@@ -143,69 +146,77 @@ class LidarSuite : public SuiteWithOptions<LidarOptions> {
   }
 
   Rows runTrial(const Trial& trial) const override {
-    const RandomWorld world = makeRandomWorld(trial.seed, robot_.circumradius_m() + kClearance_m);
-    const std::string stem = "lidar_" + std::to_string(trial.index);
-    if (!trajectory_dir_.empty()) writeWorld(trajectory_dir_ / (stem + "_world.csv"), world.solids);
     Rows rows;
-    for (const std::string& method : options_.methods) {
-      Json row;
-      row["trial"] = trial.index;
-      row["method"] = method;
-      row["world_kind"] = world.kind;
-      row["path_length_m"] = world.path_length_m;
-      row["goal_x_m"] = world.goal.x_m;
-      row["goal_y_m"] = world.goal.y_m;
-      const DriveRecord record = driveMethod(method, world, trial.seed, row);
-      if (!trajectory_dir_.empty()) {
-        writeTrajectory(trajectory_dir_ / (stem + "_" + method + ".csv"), record.trajectory);
-        row["trajectory"] = "trajectories/" + stem + "_" + method + ".csv";
-        row["world"] = "trajectories/" + stem + "_world.csv";
+    for (const std::string& part : options_.parts) {
+      const LidarWorld world = makeWorld(part, trial.seed);
+      const std::string stem = "lidar_" + part + "_" + std::to_string(trial.index);
+      if (!trajectory_dir_.empty()) writeWorld(trajectory_dir_ / (stem + "_world.csv"), world.place.solids);
+      for (const std::string& method : options_.methods) {
+        Json row;
+        row["trial"] = trial.index;
+        row["part"] = part;
+        row["method"] = method;
+        row["world_kind"] = world.place.kind;
+        row["path_length_m"] = world.place.path_length_m;
+        row["goal_x_m"] = world.place.goal.x_m;
+        row["goal_y_m"] = world.place.goal.y_m;
+        const DriveRecord record = driveMethod(method, world, trial.seed, row);
+        if (!trajectory_dir_.empty()) {
+          writeTrajectory(trajectory_dir_ / (stem + "_" + method + ".csv"), record.trajectory);
+          row["trajectory"] = "trajectories/" + stem + "_" + method + ".csv";
+          row["world"] = "trajectories/" + stem + "_world.csv";
+        }
+        rows.push_back(row);
       }
-      rows.push_back(row);
     }
     return rows;
   }
 
   Json summarise(const Rows& rows) const override {
-    std::map<std::string, MethodRows> methods;
-    for (const Json& row : rows) {
-      MethodRows& of = methods[row.at("method").get<std::string>()];
-      const bool success = row.at("success");
-      of.success.push_back(success ? 1.0 : 0.0);
-      of.contacts.push_back(row.at("contacts"));
-      of.clearance_m.push_back(row.at("min_clearance_m"));
-      of.sign_changes.push_back(row.at("turn_sign_changes"));
-      of.length_m.push_back(row.at("length_m"));
-      if (success) of.time_s.push_back(row.at("time_s"));
-    }
     Json summary;
     for (const std::string& method : options_.methods) {
-      const MethodRows& of = methods[method];
-      const bool any = !of.success.empty();
-      summary["success_" + method] = orNull(mean(of.success));
-      summary["contacts_" + method] = any ? Json(static_cast<int>(sum(of.contacts))) : Json();
+      const MethodRows standing = collect(rows, method, {"rooms", "doorway"});
+      summary["success_" + method] = orNull(mean(standing.success));
+      summary["contacts_" + method] = total(standing.contacts);
       summary["min_clearance_" + method + "_m"] =
-          any ? Json(*std::min_element(of.clearance_m.begin(), of.clearance_m.end())) : Json();
-      summary["mean_time_" + method + "_s"] = orNull(mean(of.time_s));
+          standing.clearance_m.empty()
+              ? Json()
+              : Json(*std::min_element(standing.clearance_m.begin(), standing.clearance_m.end()));
+      summary["mean_time_" + method + "_s"] = orNull(mean(standing.time_s));
       summary["turn_sign_changes_per_m_" + method] =
-          sum(of.length_m) > 0.0 ? Json(sum(of.sign_changes) / sum(of.length_m)) : Json();
+          sum(standing.length_m) > 0.0 ? Json(sum(standing.sign_changes) / sum(standing.length_m)) : Json();
+      for (const std::string part : {"doorway", "moving", "near_target"}) {
+        if (!unknownName({part}, options_.parts).empty()) continue;
+        const MethodRows of = collect(rows, method, {part});
+        summary["success_" + part + "_" + method] = orNull(mean(of.success));
+        summary["contacts_" + part + "_" + method] = total(of.contacts);
+      }
     }
     return summary;
   }
 
  private:
+  LidarWorld makeWorld(const std::string& part, std::uint64_t seed) const {
+    if (part == "doorway") return makeDoorwayWorld(seed, 2.0 * robot_.halfWidth_m() + options_.door_spare_m);
+    if (part == "moving") return makeMovingWorld(seed);
+    if (part == "near_target") return makeNearTargetWorld(seed, options_.target_gap_m);
+    return {makeRandomWorld(seed, robot_.circumradius_m() + kClearance_m), {}};
+  }
+
   std::unique_ptr<Driver> makeDriver(const std::string& method, const Pose2& odom_from_goal,
                                      Stamp now) const {
     if (method == "straight") return std::make_unique<StraightDriver>(params_, robot_, odom_from_goal);
     LidarStackParams params = params_;
-    params.avoidance.use_path = method == "sectors";
+    params.avoidance.use_path = method != "sectors_only";
+    params.avoidance.method = method == "sectors_only" ? "sectors" : method;
     params.mission.needs_path = params.avoidance.use_path;
     return std::make_unique<StackDriver>(params, robot_, odom_from_goal, now);
   }
 
   /// Drives one method through the world and fills its row.
-  DriveRecord driveMethod(const std::string& method, const RandomWorld& world, std::uint64_t seed,
+  DriveRecord driveMethod(const std::string& method, const LidarWorld& lidar_world, std::uint64_t seed,
                           Json& row) const {
+    const RandomWorld& world = lidar_world.place;
     sim::SimulatorParams simulator_params;
     simulator_params.sensors.imu = false;
     simulator_params.lidar.rate_hz = options_.scan_rate_hz;
@@ -214,7 +225,8 @@ class LidarSuite : public SuiteWithOptions<LidarOptions> {
     const auto driver = makeDriver(method, world.start.inverse() * world.goal, simulator.stamp());
     const double time_limit_s = 3.0 * world.path_length_m / params_.base.limits.max_v_mps + 30.0;
 
-    DriveRecord record = drive(simulator, *driver, time_limit_s);
+    DriveRecord record =
+        drive(simulator, *driver, time_limit_s, [&] { moveAll(lidar_world.movers, simulator); });
     const Pose2 truth = simulator.groundTruth().world_from_base;
     const double goal_error_m = distance(truth, world.goal);
     const Pose2 believed = world.start * driver->odometry();

@@ -1,3 +1,4 @@
+#include "barn_suite.hpp"
 #include "depth_suite.hpp"
 #include "detector_suite.hpp"
 #include "lidar_suite.hpp"
@@ -13,10 +14,15 @@ namespace frugal_nav::eval {
 
 const std::map<std::string, SuiteFactory>& suites() {
   static const std::map<std::string, SuiteFactory> kSuites = {
-      {"depth", makeDepthSuite},       {"detector", makeDetectorSuite},
-      {"lidar", makeLidarSuite},       {"localization", makeLocalizationSuite},
-      {"markers", makeMarkersSuite},   {"odometry", makeOdometrySuite},
-      {"pipeline", makePipelineSuite}, {"success", makeSuccessSuite},
+      {"barn", makeBarnSuite},
+      {"depth", makeDepthSuite},
+      {"detector", makeDetectorSuite},
+      {"lidar", makeLidarSuite},
+      {"localization", makeLocalizationSuite},
+      {"markers", makeMarkersSuite},
+      {"odometry", makeOdometrySuite},
+      {"pipeline", makePipelineSuite},
+      {"success", makeSuccessSuite},
   };
   return kSuites;
 }

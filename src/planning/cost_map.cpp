@@ -5,8 +5,12 @@
 
 namespace frugal_nav {
 
-CostMap::CostMap(const CostMapParams& params, const BodyExtent& body, const RollingGrid& grid)
-    : params_(params), cell_m_(grid.cell_m()), lethal_m_(body.half_width_m + params.lethal_margin_m) {
+CostMap::CostMap(const CostMapParams& params, const BodyExtent& body, const RollingGrid& grid,
+                 double tight_margin_m)
+    : params_(params),
+      cell_m_(grid.cell_m()),
+      lethal_m_(body.half_width_m + params.lethal_margin_m),
+      tight_m_(std::min(body.half_width_m + tight_margin_m, lethal_m_)) {
   validate(params, "cost map");
   if (!(body.half_width_m > 0.0)) throw ConfigError("cost map: the body's half width must be positive");
   const double outer = std::max(lethal_m_, params.inflation_m);
@@ -26,9 +30,14 @@ void CostMap::makeTable() {
   const double outer = std::max(lethal_m_ + 1e-9, params_.inflation_m);
   for (int squared = 0; squared <= reach_ * reach_; ++squared) {
     const double distance = std::sqrt(squared) * cell_m_;
-    if (distance < lethal_m_) {
+    if (distance < tight_m_) {
       known_.push_back(WeightGrid::kLethal);
       unknown_.push_back(WeightGrid::kLethal);
+      continue;
+    }
+    if (distance < lethal_m_) {
+      known_.push_back(WeightGrid::kHighest);
+      unknown_.push_back(WeightGrid::kHighest);
       continue;
     }
     const double nearness = std::max(0.0, (outer - distance) / (outer - lethal_m_));
@@ -140,6 +149,23 @@ void CostMap::prefer(const Path2& path, double surroundings_m, double surcharge)
     if (surrounding_[i] != 0 || weight == WeightGrid::kLethal) continue;
     const auto dearer = static_cast<int>(std::lround(weight * (1.0 + surcharge)));
     weight = static_cast<std::uint16_t>(std::min(dearer, WeightGrid::kHighest));
+  }
+}
+
+void CostMap::block(Cell window_cell, double radius_m) { blockNearer(window_cell, radius_m, HUGE_VAL); }
+
+void CostMap::blockTight(Cell window_cell, double radius_m) { blockNearer(window_cell, radius_m, lethal_m_); }
+
+void CostMap::blockNearer(Cell window_cell, double radius_m, double clearance_m) {
+  const int radius = static_cast<int>(std::ceil(radius_m / cell_m_));
+  for (int y = window_cell.y - radius; y <= window_cell.y + radius; ++y) {
+    for (int x = window_cell.x - radius; x <= window_cell.x + radius; ++x) {
+      const int dx = x - window_cell.x;
+      const int dy = y - window_cell.y;
+      if (!weights_.contains({x, y}) || dx * dx + dy * dy > radius * radius) continue;
+      if (this->clearance_m({x, y}) < clearance_m)
+        weights_.weights[weights_.index({x, y})] = WeightGrid::kLethal;
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <frugal_nav/planning/corridor.hpp>
 #include <frugal_nav/planning/lidar_avoidance.hpp>
+#include <frugal_nav/planning/vfh_star.hpp>
 
 namespace frugal_nav {
 namespace {
@@ -39,8 +40,27 @@ LidarAvoidance::LidarAvoidance(const LidarAvoidanceParams& params, const BodyExt
 void LidarAvoidance::setParams(const LidarAvoidanceParams& params) {
   validate(params, "avoidance");
   params_ = params;
-  sectors_ = std::make_unique<SectorAvoidance>(params.sectors, body_);
-  planner_ = sectors_.get();
+  makePlanner();
+  window_ = std::make_unique<ActiveWindow>(params.window);
+}
+
+void LidarAvoidance::makePlanner() {
+  sectors_ = nullptr;
+  vfh_ = nullptr;
+  const auto take = [this](auto planner) {
+    const auto* made = planner.get();
+    planner_ = std::move(planner);
+    return made;
+  };
+  if (params_.method == "vfh_star") {
+    vfh_ = take(std::make_unique<VfhStar>(params_.vfh, params_.speed, body_));
+  } else if (params_.method == "vfh_plus") {
+    vfh_ = take(std::make_unique<VfhPlus>(params_.vfh, params_.speed, body_));
+  } else if (params_.method == "dwa") {
+    take(std::make_unique<DynamicWindow>(params_.dwa, params_.speed, body_));
+  } else {
+    sectors_ = take(std::make_unique<SectorAvoidance>(params_.sectors, body_));
+  }
 }
 
 void LidarAvoidance::setGoal(const std::optional<Pose2>& odom_from_goal) {
@@ -57,6 +77,7 @@ void LidarAvoidance::setPath(Stamp stamp, const Path2& path) {
 void LidarAvoidance::reset() {
   path_stamp_.reset();
   path_.clear();
+  window_->reset();
   planner_->reset();
 }
 
@@ -71,6 +92,7 @@ MotionCommand LidarAvoidance::update(const LaserScan& scan, const Pose2& base_fr
   }
   if (goal_ && !goal_->isFinite()) return stopped(idle, Status::kStopped, "the goal is not finite");
 
+  window_->update(scan, odometry.odom_from_base * base_from_laser, odometry.odom_from_base.position());
   const std::vector<Eigen::Vector2d> obstacles = obstaclePoints(scan, base_from_laser);
   const std::string path_fault = needsPath() ? findPathFault(scan.stamp) : "";
   const bool follows = needsPath() && path_fault.empty() && !path_.empty();
@@ -78,7 +100,8 @@ MotionCommand LidarAvoidance::update(const LaserScan& scan, const Pose2& base_fr
   const Eigen::Vector2d goal = goal_ ? goal_->position() : ahead;
   const Eigen::Vector2d target = follows ? lookAhead(odometry.odom_from_base, obstacles) : goal;
   // The method sees every scan, so that the clearer side is known while the robot stands.
-  const MotionCommand command = planner_->plan({scan, base_from_laser, obstacles, odometry, target, goal});
+  const MotionCommand command =
+      planner_->plan({scan, base_from_laser, obstacles, odometry, target, goal, window_.get()});
   if (!goal_) return stopped(command, Status::kIdle, "no goal");
   if (!path_fault.empty()) return stopped(command, Status::kStopped, path_fault);
   if (needsPath() && path_.empty())

@@ -22,15 +22,18 @@ std::string reasonOf(AStarResult::Status status) {
 }  // namespace
 
 LidarPlanner::LidarPlanner(const LidarPlannerParams& params, const BodyExtent& body)
-    : params_(params), body_(body), grid_(params.grid), cost_map_(params.cost, body, grid_) {
+    : params_(params),
+      body_(body),
+      window_(params.grid),
+      cost_map_(params.cost, body, window_.grid(), params.tight_margin_m) {
   validate(params, "planner");
 }
 
 void LidarPlanner::setParams(const LidarPlannerParams& params) {
   validate(params, "planner");
   params_ = params;
-  grid_.setParams(params.grid);
-  cost_map_ = CostMap(params.cost, body_, grid_);
+  window_.setParams(params.grid);
+  cost_map_ = CostMap(params.cost, body_, grid(), params.tight_margin_m);
 }
 
 void LidarPlanner::setGoal(const std::optional<Pose2>& odom_from_goal) {
@@ -40,7 +43,7 @@ void LidarPlanner::setGoal(const std::optional<Pose2>& odom_from_goal) {
 }
 
 void LidarPlanner::reset() {
-  grid_.reset();
+  window_.reset();
   previous_.clear();
 }
 
@@ -57,8 +60,7 @@ LidarPlan LidarPlanner::update(const LaserScan& scan, const Pose2& base_from_las
     result.reason = "the robot's pose is not finite";
     return result;
   }
-  grid_.moveTo(odom_from_base.position());
-  grid_.insert(scan, odom_from_base * base_from_laser);
+  window_.update(scan, odom_from_base * base_from_laser, odom_from_base.position());
   if (goal_ && !isUsable(*goal_)) {
     result.reason = "the goal is not finite";
     return result;
@@ -70,13 +72,16 @@ LidarPlan LidarPlanner::update(const LaserScan& scan, const Pose2& base_from_las
 }
 
 void LidarPlanner::plan(const Pose2& odom_from_base, LidarPlan& plan) {
-  const Cell start = grid_.cellOf(odom_from_base.position());
-  const Cell goal = grid_.cellOf(goal_->position());
-  cost_map_.update(grid_, start);
+  const Cell start = grid().cellOf(odom_from_base.position());
+  const Cell goal = grid().cellOf(goal_->position());
+  cost_map_.update(grid(), start);
   cost_map_.prefer(previous_, params_.same_way_m, params_.switch_gain);
-  const AStarResult found =
-      astar_.search(cost_map_.weights(), cost_map_.toWindow(start), cost_map_.toWindow(goal),
-                    params_.goal_tolerance_m / params_.grid.cell_m);
+  // Between two obstacles it may be tight; to stand beside one there has to be room.
+  const Cell window_goal = cost_map_.toWindow(goal);
+  if (cost_map_.weights().contains(window_goal) &&
+      cost_map_.clearance_m(cost_map_.toWindow(start)) >= cost_map_.lethal_m())
+    cost_map_.blockTight(window_goal, params_.goal_tolerance_m);
+  const AStarResult found = search(start, goal);
   if (found.status != AStarResult::Status::kFound) {
     plan.status = LidarPlan::Status::kNoPath;
     plan.reason = reasonOf(found.status);
@@ -87,15 +92,56 @@ void LidarPlanner::plan(const Pose2& odom_from_base, LidarPlan& plan) {
   plan.path = shape(found, odom_from_base, plan.reaches_goal);
 }
 
+/// The cheapest way; where it leads through a passage that is too narrow, that is closed and the next sought.
+AStarResult LidarPlanner::search(Cell start, Cell goal) {
+  constexpr int kMostClosed = 8;
+  for (int closed = 0;; ++closed) {
+    AStarResult found =
+        astar_.search(cost_map_.weights(), cost_map_.toWindow(start), cost_map_.toWindow(goal),
+                      params_.goal_tolerance_m / params_.grid.cell_m);
+    if (found.status != AStarResult::Status::kFound || findTightPassages(found.cells)) return found;
+    if (closed == kMostClosed) {
+      found.status = AStarResult::Status::kNoPath;
+      return found;
+    }
+  }
+}
+
+/// Measures the passages where a way is tight; false, with the place closed, when the body does not fit one.
+bool LidarPlanner::findTightPassages(const std::vector<Cell>& cells) {
+  passages_.clear();
+  const double needed_m = 2.0 * body_.half_width_m + params_.passage_spare_m;
+  const double reach_m = 2.0 * cost_map_.lethal_m();
+  for (const Cell cell : cells) {
+    if (cost_map_.clearance_m(cell) >= cost_map_.lethal_m()) continue;
+    const Eigen::Vector2d p = grid().centerOf({cell.x + cost_map_.origin().x, cell.y + cost_map_.origin().y});
+    const auto passage = passageAt(p, window_.pointsWithin(p, reach_m), reach_m);
+    if (!passage) continue;
+    if (passage->width_m < needed_m) {
+      cost_map_.block(cell, params_.grid.cell_m);
+      return false;
+    }
+    const bool same = !passages_.empty() &&
+                      (passages_.back().middle_odom - passage->middle_odom).norm() < params_.approach_m;
+    if (!same) {
+      passages_.push_back(*passage);
+    } else if (passage->width_m < passages_.back().width_m) {
+      passages_.back() = *passage;
+    }
+  }
+  return true;
+}
+
 Path2 LidarPlanner::shape(const AStarResult& found, const Pose2& odom_from_base, bool at_goal) const {
   std::vector<Eigen::Vector2d> corners;
   for (const Cell cell : straighten(cost_map_.weights(), found.cells)) {
-    corners.push_back(grid_.centerOf({cell.x + cost_map_.origin().x, cell.y + cost_map_.origin().y}));
+    corners.push_back(grid().centerOf({cell.x + cost_map_.origin().x, cell.y + cost_map_.origin().y}));
   }
   // The ends are places, not cells.
   if (corners.size() == 1) corners.push_back(corners.front());
   corners.front() = odom_from_base.position();
   if (at_goal) corners.back() = goal_->position();
+  for (const TightPassage& passage : passages_) corners = leadThrough(corners, passage, params_.approach_m);
   return resample(corners, params_.path_spacing_m, odom_from_base.yaw_rad);
 }
 

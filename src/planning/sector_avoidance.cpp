@@ -7,9 +7,8 @@
 namespace frugal_nav {
 namespace {
 
-constexpr double kLongestClearance_m = 4.0;  // clear is clear: a far wall is no better than a farther one
-constexpr double kFacing_rad = 0.26;         // turning further toward the clear side would change nothing
-constexpr double kTurningRoom_m = 0.01;      // beside the circumradius, to turn on the spot
+constexpr double kFacing_rad = 0.26;     // turning further toward the clear side would change nothing
+constexpr double kTurningRoom_m = 0.01;  // beside the circumradius, to turn on the spot
 
 }  // namespace
 
@@ -40,9 +39,7 @@ MotionCommand SectorAvoidance::plan(const LocalPlannerInput& input) {
 
   MotionCommand command;
   command.stamp = input.scan.stamp;
-  command.clear_bearing_rad =
-      clearestBearing(ring, sectorClearances(ring, observed, input.obstacles_base, kLongestClearance_m),
-                      params_.block_half_width_rad, wanted.bearing_rad);
+  command.clear_bearing_rad = clearBearing(input);
   decision_ = decide(input, wanted, observed);
   return decision_.found ? drive(input, wanted, command) : turn(input, command);
 }

@@ -71,9 +71,9 @@ void LidarAvoidanceNode::process(const PosedScan& posed) {
   command.goal_number = intake_->goalNumber();
   command_pub_.publish(toRos(command, params_.intake.odom_frame));
   report(command);
-  if (posed.fault.empty() && markers_pub_.getNumSubscribers() > 0) {
-    markers_pub_.publish(
-        sectorMarkers(avoidance_.sectors(), command, params_.intake.base_frame, params_.intake.odom_frame));
+  if (posed.fault.empty() && avoidance_.sectors() != nullptr && markers_pub_.getNumSubscribers() > 0) {
+    markers_pub_.publish(sectorMarkers(avoidance_.sectors()->decision(), command, params_.intake.base_frame,
+                                       params_.intake.odom_frame));
   }
 }
 

@@ -9,10 +9,20 @@
 
 namespace frugal_nav::sim {
 
-Lidar::Lidar(const LidarParams& params, std::uint64_t seed) : params_(params), random_(seed, "lidar") {
+namespace {
+
+double incrementOf(const LidarParams& params) {
+  const bool full_turn = params.field_of_view_rad > 2.0 * M_PI - 1e-4;
+  return full_turn ? 2.0 * M_PI / params.beams : params.field_of_view_rad / (params.beams - 1);
+}
+
+}  // namespace
+
+Lidar::Lidar(const LidarParams& params, std::uint64_t seed)
+    : params_(params), increment_rad_(incrementOf(params)), random_(seed, "lidar") {
   validate(params, "lidar");
   for (int i = 0; i < params.beams; ++i) {
-    const double angle = params.angle_min_rad + 2.0 * M_PI * i / params.beams;
+    const double angle = params.angle_min_rad + increment_rad_ * i;
     directions_.emplace_back(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)));
   }
 }
@@ -21,7 +31,7 @@ LaserScan Lidar::scan(const RayTracer& tracer, const Eigen::Isometry3d& world_fr
   LaserScan scan;
   scan.stamp = stamp;
   scan.angle_min_rad = params_.angle_min_rad;
-  scan.angle_increment_rad = 2.0 * M_PI / params_.beams;
+  scan.angle_increment_rad = increment_rad_;
   scan.range_min_m = params_.range_min_m;
   scan.range_max_m = params_.range_max_m;
   scan.ranges_m.resize(directions_.size());

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -86,6 +87,34 @@ void lidarPlannerNoWay(benchmark::State& state) {
   runPlanner(state, wide);
 }
 BENCHMARK(lidarPlannerNoWay)->Unit(benchmark::kMicrosecond);
+
+/// A scan in, a command out: the grid, A* and a method of lidar_avoidance.
+void runCycle(benchmark::State& state, const std::string& method) {
+  const Drive drive = makeDrive();
+  LidarAvoidanceParams params;
+  params.method = method;
+  LidarAvoidance avoidance(params, kBody);
+  LidarPlanner planner(LidarPlannerParams{}, kBody);
+  const Pose2 goal{7.5, 1.0, 0.0};
+  planner.setGoal(goal);
+  avoidance.setGoal(goal);
+  std::size_t k = 0;
+  for (auto _ : state) {
+    const LidarPlan plan = planner.update(drive.scans[k], {}, drive.odometry[k].odom_from_base);
+    avoidance.setPath(plan.stamp, plan.path);
+    benchmark::DoNotOptimize(avoidance.update(drive.scans[k], {}, drive.odometry[k]));
+    k = (k + 1) % kScans;
+  }
+}
+
+void lidarCycleVfhStar(benchmark::State& state) { runCycle(state, "vfh_star"); }
+BENCHMARK(lidarCycleVfhStar)->Unit(benchmark::kMicrosecond);
+
+void lidarCycleVfhPlus(benchmark::State& state) { runCycle(state, "vfh_plus"); }
+BENCHMARK(lidarCycleVfhPlus)->Unit(benchmark::kMicrosecond);
+
+void lidarCycleDynamicWindow(benchmark::State& state) { runCycle(state, "dwa"); }
+BENCHMARK(lidarCycleDynamicWindow)->Unit(benchmark::kMicrosecond);
 
 void lidarAvoidanceUpdate(benchmark::State& state) {
   const Drive drive = makeDrive();

@@ -23,9 +23,10 @@ struct LidarStackParams {
   BaseControlParams base;
 };
 
-/// The nodes' own parameter files, read from a folder; what only the node class uses is left out.
-/// Throws ConfigError as loadParamFile().
-LidarStackParams loadLidarStack(const std::string& config_dir);
+/// The nodes' own parameter files, read from a folder; what only the node class uses is left out. Files of
+/// the same names in its subfolder `profile`, where there are any, hold what differs for a robot. Throws
+/// ConfigError as loadParamFile().
+LidarStackParams loadLidarStack(const std::string& config_dir, const std::string& profile = "simulated");
 
 /// The node graph of mode lidar in one process: the same classes, called in the order in which the graph's
 /// messages arrive. Each input leads to one command for the base, as each leads to one cmd_vel there.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -46,7 +47,10 @@ struct CostMapParams {
 /// The traversal weights of a rolling grid for one body: lethal near obstacles, falling cost beyond.
 class CostMap {
  public:
-  CostMap(const CostMapParams& params, const BodyExtent& body, const RollingGrid& grid);
+  /// Between `tight_margin_m` and lethal_margin_m cells are passable at the highest weight; without it
+  /// lethal.
+  CostMap(const CostMapParams& params, const BodyExtent& body, const RollingGrid& grid,
+          double tight_margin_m = HUGE_VAL);
 
   /// Reads the grid anew. Where the start itself is lethally near an obstacle, the cells around it that are
   /// no nearer to one become passable at the highest weight, so that the robot can leave.
@@ -62,7 +66,11 @@ class CostMap {
   /// The grid's window at the last update: its lowest cell.
   Cell origin() const { return origin_; }
   Cell toWindow(Cell cell) const { return {cell.x - origin_.x, cell.y - origin_.y}; }
-  /// Distance below which a cell is lethal [m].
+  /// Makes cells within a distance of a window cell lethal, until the next update.
+  void block(Cell window_cell, double radius_m);
+  /// The same for the tight cells within a distance only.
+  void blockTight(Cell window_cell, double radius_m);
+  /// Distance below which a cell is lethal, or tight [m].
   double lethal_m() const { return lethal_m_; }
   /// Distance from a window cell to the nearest obstacle, at most about inflation_m [m].
   double clearance_m(Cell window_cell) const;
@@ -72,12 +80,14 @@ class CostMap {
   void fillShadows(double assumed_depth_m);
   void makeTable();
   void weigh();
+  void blockNearer(Cell window_cell, double radius_m, double clearance_m);
   void relaxAround(Cell window_start);
 
   CostMapParams params_;
   double cell_m_;
   double lethal_m_;
-  int reach_;  ///< cells up to which clearance is measured
+  double tight_m_;  ///< below it nothing is passable
+  int reach_;       ///< cells up to which clearance is measured
   Cell origin_;
   std::vector<RollingGrid::State> states_;
   std::vector<std::uint16_t> column_;      ///< distance along y to the nearest obstacle [cells]

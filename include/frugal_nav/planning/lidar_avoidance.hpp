@@ -12,8 +12,10 @@
 #include <frugal_nav/common/odometry.hpp>
 #include <frugal_nav/common/params.hpp>
 #include <frugal_nav/planning/body_extent.hpp>
+#include <frugal_nav/planning/dynamic_window.hpp>
 #include <frugal_nav/planning/local_planner.hpp>
 #include <frugal_nav/planning/sector_avoidance.hpp>
+#include <frugal_nav/planning/vfh_plus.hpp>
 
 namespace frugal_nav {
 
@@ -25,10 +27,15 @@ struct LidarAvoidanceParams {
   double sight_margin_m = 0.08;
   double path_timeout_s = 0.5;
   SectorParams sectors;
+  RollingGridParams window{6.0, 0.05, 4, 2, 12, 5.0, 4.0};
+  SpeedParams speed;
+  VfhParams vfh;
+  DynamicWindowParams dwa;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
-    visit("method", method, Field{"", "how obstacles are avoided", -HUGE_VAL, HUGE_VAL, "sectors"});
+    visit("method", method,
+          Field{"", "how obstacles are avoided", -HUGE_VAL, HUGE_VAL, "sectors|vfh_plus|vfh_star|dwa"});
     visit("use_path", use_path,
           Field{"", "follow the planner's path; false: straight at the goal, as in the paper"});
     visit("look_ahead_m", look_ahead_m,
@@ -42,6 +49,10 @@ struct LidarAvoidanceParams {
     visit("path_timeout_s", path_timeout_s,
           Field{"s", "stop when the newest path is older than the scan by this", 0.05, 10.0});
     visit("sectors", sectors);
+    visit("window", window);
+    visit("speed", speed);
+    visit("vfh", vfh);
+    visit("dwa", dwa);
   }
   /// Names fields that contradict each other; empty when sound.
   std::string check() const {
@@ -73,18 +84,22 @@ class LidarAvoidance {
 
   bool needsPath() const { return params_.use_path && goal_.has_value(); }
   std::optional<Stamp> pathStamp() const { return path_stamp_; }
-  /// What the sector method decided on the last scan.
-  const SectorAvoidance::Decision& sectors() const { return sectors_->decision(); }
+  /// The method, for what it decided on the last scan; nullptr where it is another.
+  const SectorAvoidance* sectors() const { return sectors_; }
+  const VfhPlus* vfh() const { return vfh_; }
 
  private:
+  void makePlanner();
   std::string findPathFault(Stamp now) const;
   Eigen::Vector2d lookAhead(const Pose2& odom_from_base,
                             const std::vector<Eigen::Vector2d>& obstacles_base) const;
 
   LidarAvoidanceParams params_;
   BodyExtent body_;
-  std::unique_ptr<SectorAvoidance> sectors_;
-  LocalPlanner* planner_;  ///< the chosen method
+  std::unique_ptr<LocalPlanner> planner_;     ///< the chosen method
+  const SectorAvoidance* sectors_ = nullptr;  ///< it, where it is that one
+  const VfhPlus* vfh_ = nullptr;              ///< it, where it is VFH+ or VFH*
+  std::unique_ptr<ActiveWindow> window_;
   std::optional<Pose2> goal_;
   std::optional<Stamp> path_stamp_;
   Path2 path_;

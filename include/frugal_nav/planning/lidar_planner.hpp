@@ -2,15 +2,17 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <frugal_nav/common/geometry.hpp>
 #include <frugal_nav/common/laser_scan.hpp>
 #include <frugal_nav/common/params.hpp>
 #include <frugal_nav/common/time.hpp>
+#include <frugal_nav/planning/active_window.hpp>
 #include <frugal_nav/planning/astar.hpp>
 #include <frugal_nav/planning/body_extent.hpp>
 #include <frugal_nav/planning/cost_map.hpp>
-#include <frugal_nav/planning/rolling_grid.hpp>
+#include <frugal_nav/planning/tight_passage.hpp>
 
 namespace frugal_nav {
 
@@ -21,6 +23,9 @@ struct LidarPlannerParams {
   double switch_gain = 0.10;
   double same_way_m = 0.50;
   double path_spacing_m = 0.10;
+  double tight_margin_m = -0.035;
+  double passage_spare_m = 0.025;
+  double approach_m = 0.50;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -39,6 +44,18 @@ struct LidarPlannerParams {
     visit("same_way_m", same_way_m,
           Field{"m", "a path this near to the previous one is the same way, free to improve", 0.05, 5.0});
     visit("path_spacing_m", path_spacing_m, Field{"m", "distance between the points of the path", 0.02, 1.0});
+    visit("tight_margin_m", tight_margin_m,
+          Field{"m",
+                "room beside the body's half width down to which the path goes where there is no other way; "
+                "negative by what a cell's middle may be off, since the returns themselves measure passages",
+                -0.2, 1.0});
+    visit("passage_spare_m", passage_spare_m,
+          Field{"m",
+                "what a passage must be wider than the body: the collision stop's slow margin on both sides",
+                0.0, 1.0});
+    visit("approach_m", approach_m,
+          Field{"m", "before and behind a tight passage the path is straight for this long: a body's length",
+                0.0, 3.0});
   }
 };
 
@@ -76,20 +93,23 @@ class LidarPlanner {
   /// Forgets what was seen and planned, but not the goal: after a jump in time.
   void reset();
 
-  const RollingGrid& grid() const { return grid_; }
+  const RollingGrid& grid() const { return window_.grid(); }
   const CostMap& costMap() const { return cost_map_; }
 
  private:
   void plan(const Pose2& odom_from_base, LidarPlan& plan);
+  AStarResult search(Cell start, Cell goal);
+  bool findTightPassages(const std::vector<Cell>& cells);
   Path2 shape(const AStarResult& found, const Pose2& odom_from_base, bool at_goal) const;
 
   LidarPlannerParams params_;
   BodyExtent body_;
-  RollingGrid grid_;
+  ActiveWindow window_;
   CostMap cost_map_;
   AStar astar_;
   std::optional<Pose2> goal_;
   Path2 previous_;
+  std::vector<TightPassage> passages_;  ///< on the way found last
 };
 
 }  // namespace frugal_nav

@@ -6,6 +6,7 @@
 #include <frugal_nav/common/laser_scan.hpp>
 #include <frugal_nav/common/motion_command.hpp>
 #include <frugal_nav/common/odometry.hpp>
+#include <frugal_nav/planning/active_window.hpp>
 
 namespace frugal_nav {
 
@@ -17,7 +18,12 @@ struct LocalPlannerInput {
   Odometry odometry;                                   ///< pose and twist at the scan's stamp
   Eigen::Vector2d target_odom;                         ///< where to go next: on the path, or the goal itself
   Eigen::Vector2d goal_odom;                           ///< where it all leads
+  const ActiveWindow* window = nullptr;  ///< what the last scans said; the sector method needs none
 };
+
+/// Bearing of the larger clearance that the scan shows, in base_link; of equal ones the nearest to the
+/// target.
+double clearBearing(const LocalPlannerInput& input);
 
 /// A method of avoiding obstacles on the way to a near target.
 class LocalPlanner {

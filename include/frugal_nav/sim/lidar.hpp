@@ -17,6 +17,7 @@ namespace frugal_nav::sim {
 /// A planar scanning laser; the defaults are an RPLIDAR A1's, from its data sheet.
 struct LidarParams {
   int beams = 360;
+  double field_of_view_rad = 2.0 * M_PI;
   double rate_hz = 7.0;
   double angle_min_rad = -M_PI;
   double range_min_m = 0.15;
@@ -27,8 +28,11 @@ struct LidarParams {
 
   template <class Visitor>
   void fields(Visitor&& visit) {
-    visit("beams", beams, Field{"", "beams of one turn, spread evenly over the circle", 8, 8192});
-    visit("rate_hz", rate_hz, Field{"Hz", "turns a second: the A1 turns at 5.5 to 10 Hz", 5.5, 10.0});
+    visit("beams", beams, Field{"", "beams of one scan, spread evenly over the field of view", 8, 8192});
+    visit("field_of_view_rad", field_of_view_rad,
+          Field{"rad", "from the first beam to the last; a full turn leaves a gap between them", 0.1,
+                2.0 * M_PI});
+    visit("rate_hz", rate_hz, Field{"Hz", "scans a second: the A1 turns at 5.5 to 10 Hz", 1.0, 100.0});
     visit("angle_min_rad", angle_min_rad,
           Field{"rad", "bearing of the first beam; the others follow counter-clockwise", -M_PI, M_PI});
     visit("range_min_m", range_min_m, Field{"m", "nearest range measured; nearer reads -inf", 0.0, 10.0});
@@ -62,6 +66,7 @@ class Lidar {
   float measure(double range_m);
 
   LidarParams params_;
+  double increment_rad_;
   Random random_;
   std::vector<Eigen::Vector2f> directions_;  // in the laser's frame, one a beam
 };

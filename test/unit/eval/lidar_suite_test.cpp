@@ -16,6 +16,8 @@ RunRequest request(int trials) {
   run.context.share_dir = kSource;
   run.context.seed = 500000;
   run.trials = trials;
+  run.options["methods"] = std::vector<std::string>{"straight", "sectors_only", "sectors"};
+  run.options["parts"] = std::vector<std::string>{"rooms"};
   return run;
 }
 

@@ -99,10 +99,24 @@ TEST_F(LidarPlannerTest, RefusesAGapNarrowerThanTheBody) {
   FlatWorld world = room;
   world.box(2.0, -2.5, 2.2, -0.12).box(2.0, 0.12, 2.2, 2.5);
   planner.setGoal(Pose2{4.0, 0.0, 0.0});
-  const LidarPlan plan = planFrom(world, {});
+  // Near by: from afar the beams leave the gap's width open by their spacing.
+  const LidarPlan plan = planFrom(world, {1.5, 0.0, 0.0});
   EXPECT_EQ(plan.status, Status::kNoPath);
   EXPECT_TRUE(plan.path.empty());
   EXPECT_EQ(plan.reason, "no way to the goal through what is seen and remembered");
+}
+
+TEST_F(LidarPlannerTest, LeadsStraightThroughTheMiddleOfADoorThatTheBodyJustFits) {
+  // 0.29 m: the body's 0.25 m and 4 cm, less than the grid's cells can tell from 0.24 m.
+  FlatWorld world = room;
+  world.box(2.0, -2.5, 2.1, -0.125).box(2.0, 0.165, 2.1, 2.5);
+  planner.setGoal(Pose2{4.0, 1.0, 0.0});
+  const LidarPlan plan = planFrom(world, {1.2, 0.6, 0.0});
+  ASSERT_EQ(plan.status, Status::kFound) << plan.reason;
+  for (const Pose2& pose : plan.path) {
+    // The spacing of the beams, 1 degree at 0.9 m, leaves half of 1.6 cm open to each side.
+    if (pose.x_m > 1.7 && pose.x_m < 2.2) EXPECT_NEAR(pose.y_m, 0.02, 0.03) << pose.x_m;
+  }
 }
 
 TEST_F(LidarPlannerTest, GoesBesideAGoalAtTheEdgeOfABox) {

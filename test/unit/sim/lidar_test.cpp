@@ -44,6 +44,21 @@ TEST(Lidar, MeasuresARoomCounterClockwise) {
   EXPECT_NEAR(Lidar(quiet(), 1).scan(tracer, pose, Stamp{}).ranges_m[180], 1.75F, 1e-5F);
 }
 
+TEST(Lidar, ANarrowFieldOfViewEndsAtItsLastBeam) {
+  const BoxScene world = room();
+  const RayTracer tracer(world.scene);
+  LidarParams params = quiet();
+  params.angle_min_rad = -0.5 * M_PI;
+  params.field_of_view_rad = M_PI;
+  params.beams = 9;
+  const LaserScan scan = Lidar(params, 1).scan(tracer, at(0.5, 0.25, 0.2), Stamp{});
+  EXPECT_FALSE(findFault(scan));
+  EXPECT_NEAR(scan.angleOf(8), 0.5 * M_PI, 1e-9);
+  EXPECT_NEAR(scan.ranges_m[0], 2.25F, 1e-5F) << "right";
+  EXPECT_NEAR(scan.ranges_m[4], 2.5F, 1e-5F) << "ahead";
+  EXPECT_NEAR(scan.ranges_m[8], 1.75F, 1e-5F) << "left";
+}
+
 TEST(Lidar, NoiseIsOnePercentOfTheRange) {
   const BoxScene world = room();
   const RayTracer tracer(world.scene);

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include <frugal_nav/planning/rolling_grid.hpp>
+
+namespace frugal_nav {
+
+/// An obstacle of the active window.
+struct WindowPoint {
+  Eigen::Vector2d p_odom;  ///< where it was hit last [m]
+  double certainty = 0.0;  ///< 0 .. 1
+};
+
+/// The rolling certainty grid close to the robot that the histogram methods decide on.
+///
+/// A cell also keeps where within it the last return lay, so that a passage is as wide as the scans say, not
+/// as the cells do.
+class ActiveWindow {
+ public:
+  explicit ActiveWindow(const RollingGridParams& params);
+
+  /// Takes a scan in and centres the window on the robot.
+  void update(const LaserScan& scan, const Pose2& odom_from_laser, const Eigen::Vector2d& p_odom_robot);
+  void reset();
+  /// Other parameters from the next scan on; another window or cell size forgets everything. Throws
+  /// ConfigError.
+  void setParams(const RollingGridParams& params);
+
+  /// The obstacles within a distance of a place.
+  std::vector<WindowPoint> pointsWithin(const Eigen::Vector2d& p_odom, double radius_m) const;
+
+  const RollingGrid& grid() const { return grid_; }
+
+ private:
+  std::size_t placeOf(Cell cell) const;
+
+  RollingGridParams params_;
+  RollingGrid grid_;
+  std::vector<Eigen::Vector2f> hits_;  ///< one a cell, in a ring as the grid's; valid where that is occupied
+};
+
+}  // namespace frugal_nav
