@@ -30,8 +30,10 @@ struct MarkerPoseParams {
   template <class Visitor>
   void fields(Visitor&& visit) {
     visit("corner_sigma_px", corner_sigma_px,
-          Field{"px", "standard deviation of a corner, each way: what the covariance is made from", 0.02,
-                10.0});
+          Field{"px",
+                "standard deviation of a corner, each way: twice its scatter in sharp images, since images "
+                "in a row err alike",
+                0.02, 10.0});
     visit("clipped_sigma_px", clipped_sigma_px,
           Field{"px", "the same of a marker whose white is overexposed, and so spreads over the black", 0.02,
                 20.0});
