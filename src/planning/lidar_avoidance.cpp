@@ -109,6 +109,20 @@ MotionCommand LidarAvoidance::update(const LaserScan& scan, const Pose2& base_fr
   return command;
 }
 
+std::optional<SectorAvoidance::Decision> LidarAvoidance::directions(double heading_rad) const {
+  if (sectors_ != nullptr) return sectors_->decision();
+  if (vfh_ == nullptr) return std::nullopt;
+  const VfhPlus::Decision& decision = vfh_->decision();
+  SectorAvoidance::Decision shown{SectorRing(decision.masked.size())};
+  for (int i = 0; i < shown.ring.size(); ++i) {
+    const double bearing_odom_rad = wrapAngle(heading_rad + shown.ring.bearingOf(i));
+    if (!decision.masked.isFree(decision.masked.sectorOf(bearing_odom_rad))) shown.ring.block(i);
+  }
+  shown.found = decision.chosen_odom_rad.has_value();
+  shown.bearing_rad = angleBetween(heading_rad, decision.chosen_odom_rad.value_or(heading_rad));
+  return shown;
+}
+
 std::string LidarAvoidance::findPathFault(Stamp now) const {
   if (!path_stamp_) return "no path from the planner yet";
   const double age = toSeconds(now - *path_stamp_);

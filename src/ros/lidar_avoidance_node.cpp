@@ -71,10 +71,10 @@ void LidarAvoidanceNode::process(const PosedScan& posed) {
   command.goal_number = intake_->goalNumber();
   command_pub_.publish(toRos(command, params_.intake.odom_frame));
   report(command);
-  if (posed.fault.empty() && avoidance_.sectors() != nullptr && markers_pub_.getNumSubscribers() > 0) {
-    markers_pub_.publish(sectorMarkers(avoidance_.sectors()->decision(), command, params_.intake.base_frame,
-                                       params_.intake.odom_frame));
-  }
+  if (!posed.fault.empty() || markers_pub_.getNumSubscribers() == 0) return;
+  if (const auto shown = avoidance_.directions(posed.odometry.odom_from_base.yaw_rad))
+    markers_pub_.publish(
+        sectorMarkers(*shown, command, params_.intake.base_frame, params_.intake.odom_frame));
 }
 
 void LidarAvoidanceNode::report(const MotionCommand& command) {

@@ -84,9 +84,9 @@ class LidarAvoidance {
 
   bool needsPath() const { return params_.use_path && goal_.has_value(); }
   std::optional<Stamp> pathStamp() const { return path_stamp_; }
-  /// The method, for what it decided on the last scan; nullptr where it is another.
-  const SectorAvoidance* sectors() const { return sectors_; }
-  const VfhPlus* vfh() const { return vfh_; }
+  /// What the sector or a histogram method decided on the last scan, as directions around a robot that looks
+  /// at `heading_rad` in odom; nothing for dwa, which weighs velocities.
+  std::optional<SectorAvoidance::Decision> directions(double heading_rad) const;
 
  private:
   void makePlanner();
