@@ -45,7 +45,8 @@ class CloserLook {
   cv::Rect around(const cv::Size& image, const cv::Point2d& center_px) const;
 
   /// Adds what a detector sees in the parts of an image (CV_8UC3) to what it saw in the whole, best first; of
-  /// several boxes of one thing the best stays. Boxes that a part's edge cuts within the image are left out.
+  /// several boxes of one thing the best stays. Boxes that a part's edge cuts within the image are left out,
+  /// and so are pieces of larger things.
   static std::vector<Detection> add(std::vector<Detection> whole, const cv::Mat& bgr,
                                     const std::vector<cv::Rect>& parts, Detector& detector);
 

@@ -73,6 +73,20 @@ TEST(CloserLook, LeavesOutWhatAPartCuts) {
   EXPECT_EQ(found[0].score, 0.7);
 }
 
+// Half a person in a part of the image, surer than the whole one, is no second person; a small one before a
+// doubtful large one is.
+TEST(CloserLook, LeavesOutAPieceOfWhatTheWholeImageShows) {
+  FixedDetector detector;
+  detector.boxes = {{0, "person", 0.9, {60.0, 20.0, 60.0, 100.0}}};
+  std::vector<Detection> whole = {{0, "person", 0.6, {40.0, 10.0, 100.0, 270.0}}};
+  const cv::Mat image(kImage, CV_8UC3);
+  const std::vector<cv::Rect> parts = {cv::Rect(0, 0, 240, 180)};
+  ASSERT_EQ(CloserLook::add(whole, image, parts, detector).size(), 1U);
+  EXPECT_EQ(CloserLook::add(whole, image, parts, detector)[0].box.height, 270.0);
+  whole[0].score = 0.3;
+  EXPECT_EQ(CloserLook::add(whole, image, parts, detector).size(), 2U);
+}
+
 TEST(CloserLook, RefusesASmallShare) {
   CloserLookParams params;
   params.share = 0.4;
