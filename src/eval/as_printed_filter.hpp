@@ -39,8 +39,8 @@ struct AsPrintedParams {
   }
 };
 
-/// The markers of an image as the paper finds them: OpenCV's detector as it comes, which puts corners on whole
-/// pixels.
+/// The markers of an image as the paper finds them: OpenCV's detector as it comes, which puts corners on
+/// whole pixels.
 std::vector<MarkerCorners> detectAsPrinted(const cv::Mat& image, const std::string& dictionary);
 
 /// The localization filter as paper 001 prints it (section 4.2), to compare with: commanded speed, heading
