@@ -29,6 +29,17 @@ double worstSigma(const Eigen::Matrix3d& covariance) {
   return std::sqrt(std::max(0.0, axes.eigenvalues().maxCoeff()));
 }
 
+/// Mean velocity from one odometry to the next. The message's own is a mean over a longer time: it comes late
+/// when the robot speeds up.
+Twist2 meanTwist(const Odometry& from, const Odometry& to) {
+  const double duration_s = toSeconds(to.stamp - from.stamp);
+  const Pose2 step = from.odom_from_base.inverse() * to.odom_from_base;
+  const double half = 0.5 * step.yaw_rad;
+  const double chord_over_arc = std::abs(half) < 1e-6 ? 1.0 : std::sin(half) / half;
+  const double length = std::copysign(std::hypot(step.x_m, step.y_m), step.x_m) / chord_over_arc;
+  return {length / duration_s, step.yaw_rad / duration_s};
+}
+
 std::string inWords(const LocalizationStatus& status) {
   if (status.state == State::kNoFix) return "no fix yet: no marker of the map has been seen";
   std::string text = "markers in view";
@@ -84,11 +95,11 @@ MarkerLocalization::MarkerLocalization(const MarkerLocalizationParams& params, c
 std::optional<MapPose> MarkerLocalization::addOdometry(const Odometry& odometry, Stamp received) {
   if (!odometry.odom_from_base.isFinite()) return std::nullopt;
   if (params_.filter.twist_source == "encoders") {
-    const FilterStatus status = filter_.addEncoders(odometry.stamp, odometry.twist, received);
+    const FilterStatus status = filter_.addEncoders(odometry.stamp, twistOf(odometry), received);
     noticeJump();
     if (status == FilterStatus::kFromFuture || status == FilterStatus::kTooOld) return std::nullopt;
   }
-  last_odometry_ = odometry.stamp;
+  last_odometry_ = odometry;
   const std::optional<PoseEstimate> estimate = takePose(odometry.stamp);
   if (!estimate) return std::nullopt;
   return MapPose{*estimate, estimate->map_from_base * odometry.odom_from_base.inverse()};
@@ -96,8 +107,18 @@ std::optional<MapPose> MarkerLocalization::addOdometry(const Odometry& odometry,
 
 std::optional<PoseEstimate> MarkerLocalization::poseWithoutOdometry(Stamp stamp) {
   const Duration timeout = fromSeconds(params_.filter.input_timeout_s);
-  if (last_odometry_ && stamp < *last_odometry_ + timeout) return std::nullopt;
+  if (last_odometry_ && stamp < last_odometry_->stamp + timeout) return std::nullopt;
   return takePose(stamp);
+}
+
+/// By the way since the odometry before, unless that is long past or the odometry has jumped.
+Twist2 MarkerLocalization::twistOf(const Odometry& odometry) const {
+  if (!last_odometry_ || odometry.stamp <= last_odometry_->stamp) return odometry.twist;
+  if (odometry.stamp - last_odometry_->stamp > fromSeconds(params_.filter.input_timeout_s))
+    return odometry.twist;
+  constexpr double kJump_mps = 1.0;
+  const Twist2 mean = meanTwist(*last_odometry_, odometry);
+  return std::abs(mean.v_mps - odometry.twist.v_mps) < kJump_mps ? mean : odometry.twist;
 }
 
 FilterStatus MarkerLocalization::addCommand(Stamp stamp, const Twist2& twist, Stamp received) {

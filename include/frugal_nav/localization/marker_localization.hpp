@@ -116,6 +116,7 @@ class MarkerLocalization {
 
  private:
   std::optional<PoseEstimate> takePose(Stamp stamp);
+  Twist2 twistOf(const Odometry& odometry) const;
   const MarkerLocalizer& localizerFor(const MarkerCamera& taken);
   std::string faultOf(const MarkerCamera& taken, Stamp received) const;
   void noticeJump();
@@ -127,7 +128,7 @@ class MarkerLocalization {
   std::optional<MarkerLocalizer> localizer_;  ///< for the camera as it was last
   Pinhole camera_;
   Eigen::Isometry3d base_from_optical_ = Eigen::Isometry3d::Identity();
-  std::optional<Stamp> last_odometry_;
+  std::optional<Odometry> last_odometry_;
   std::optional<Stamp> last_pose_;  ///< given out
   std::optional<Stamp> last_fix_;   ///< used
   std::uint64_t time_jumps_ = 0;    ///< of the filter, noticed

@@ -324,6 +324,26 @@ TEST(MarkerLocalization, FollowsACameraThatIsCalibratedAnew) {
   expectNear(image.fix.map_from_base, kStart);
 }
 
+// A robot that speeds up by 0.3 m/s^2 with a twist that is a mean over its last 80 ms, 40 ms late: by it the
+// way of a second is 12 mm short.
+TEST(MarkerLocalization, MovesByTheWayOfTheOdometryNotByItsSmoothedTwist) {
+  MarkerLocalization localization(MarkerLocalizationParams{}, wallMap());
+  PoseFix start;
+  start.covariance.diagonal().setConstant(1e-6);
+  localization.setPose(at(0.0), start, at(0.0));
+  constexpr double kAcceleration = 0.3;
+  for (int i = 0; i <= 50; ++i) {
+    const double t = 0.02 * i;
+    Odometry odometry;
+    odometry.stamp = at(t);
+    odometry.odom_from_base.x_m = 0.5 * kAcceleration * t * t;
+    odometry.twist.v_mps = kAcceleration * std::max(0.0, t - 0.04);
+    localization.addOdometry(odometry, at(t));
+  }
+  // What is left: the mean of two intervals is taken for each, half an interval late.
+  EXPECT_NEAR(localization.estimate()->map_from_base.x_m, 0.5 * kAcceleration, 0.004);
+}
+
 TEST(MarkerLocalization, RefusesContradictingConfiguration) {
   MarkerLocalizationParams params;
   params.detector.dictionary = "DICT_5X5_50";
