@@ -88,8 +88,9 @@ TEST_F(VisualOdometryNodeTest, BroadcastsItsPoseWhenAskedTo) {  // publish_tf of
   const tf2_ros::TransformListener listener(buffer);
   ASSERT_TRUE(driveUntilTracking());
   const auto known = [&] { return buffer.canTransform("odom", "base_link", graph_.clock.now()); };
-  for (int i = 0; i < 20 && !known(); ++i) ASSERT_NE(step(), nullptr);  // the listener connects meanwhile
-  ASSERT_TRUE(test::waitUntil(known));
+  // The listener connects meanwhile.
+  for (int i = 0; i < 20 && !test::waitUntil(known, 1.0); ++i) ASSERT_NE(step(), nullptr);
+  ASSERT_TRUE(known());
   const nav_msgs::Odometry* odometry = test::answerAt(odometry_, graph_.clock.now());
   ASSERT_NE(odometry, nullptr);
   const auto transform = buffer.lookupTransform("odom", "base_link", graph_.clock.now()).transform;
