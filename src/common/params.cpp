@@ -85,6 +85,12 @@ std::string numberFault(const std::string& name, double number, const Field& fie
   return out.str();
 }
 
+std::string choiceFault(const std::string& name, const std::string& text, const Field& field) {
+  const std::string choices = field.choices;
+  if (choices.empty() || ("|" + choices + "|").find("|" + text + "|") != std::string::npos) return {};
+  return name + " = \"" + text + "\" is none of " + choices;
+}
+
 }  // namespace
 
 std::string faultOf(const std::string& name, const ParamValue& value, const Field& field) {
@@ -96,10 +102,11 @@ std::string faultOf(const std::string& name, const ParamValue& value, const Fiel
       if (!fault.empty()) return fault;
     }
   }
-  if (const auto* text = std::get_if<std::string>(&value)) {
-    const std::string choices = field.choices;
-    if (!choices.empty() && ("|" + choices + "|").find("|" + *text + "|") == std::string::npos) {
-      return name + " = \"" + *text + "\" is none of " + choices;
+  if (const auto* text = std::get_if<std::string>(&value)) return choiceFault(name, *text, field);
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&value)) {
+    for (const std::string& text : *texts) {
+      std::string fault = choiceFault(name, text, field);
+      if (!fault.empty()) return fault;
     }
   }
   return {};

@@ -57,10 +57,6 @@ struct SuccessOptions {
   std::string check() const {
     if (methods.empty()) return "methods names none";
     if (speeds.empty()) return "speeds names none";
-    for (const std::string& method : methods) {
-      if (method != "straight" && method != "camera")
-        return "methods: \"" + method + "\" is none of straight, camera";
-    }
     return "";
   }
 };

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <frugal_nav/mission/mission.hpp>
+#include <frugal_nav/planning/path_shape.hpp>
 
 namespace frugal_nav {
 namespace {
@@ -24,12 +25,6 @@ std::string seconds(double s) {
 }
 
 bool wentBack(Stamp stamp, const std::optional<Stamp>& last) { return last && stamp < *last; }
-
-double length(const Path2& path) {
-  double sum = 0.0;
-  for (std::size_t i = 1; i < path.size(); ++i) sum += distance(path[i - 1], path[i]);
-  return sum;
-}
 
 }  // namespace
 
@@ -100,7 +95,7 @@ void Mission::setPath(const Path2& odom_path, Stamp stamp, const std::string& re
   last_path_ = stamp;
   path_ = PathReport{stamp, !odom_path.empty(), 0.0, bendOf(odom_path), reason};
   // A rolling window's path may end at its edge: the rest is counted as a straight line.
-  if (path_->found) path_->remaining_m = length(odom_path) + distance(odom_path.back(), odom_from_goal_);
+  if (path_->found) path_->remaining_m = lengthOf(odom_path) + distance(odom_path.back(), odom_from_goal_);
 }
 
 void Mission::setLocalCommand(const MotionCommand& command) {

@@ -84,6 +84,17 @@ std::optional<Line> fitEdge(const cv::Mat& light, int cells, const Quad& quad, s
   return Line{from + centre, axes.eigenvectors().col(0)};
 }
 
+/// Light by grey level (IEC 61966-2-1).
+cv::Mat linearTable() {
+  cv::Mat table(1, 256, CV_32FC1);
+  for (int i = 0; i < 256; ++i) {
+    const double srgb = i / 255.0;
+    table.at<float>(i) =
+        static_cast<float>(srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4));
+  }
+  return table;
+}
+
 std::optional<Quad> meetingPoints(const std::array<Line, 4>& lines) {
   Quad corners;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -102,12 +113,7 @@ std::optional<Quad> meetingPoints(const std::array<Line, 4>& lines) {
 }  // namespace
 
 cv::Mat linearLight(const cv::Mat& grey) {
-  cv::Mat table(1, 256, CV_32FC1);
-  for (int i = 0; i < 256; ++i) {
-    const double srgb = i / 255.0;  // IEC 61966-2-1
-    table.at<float>(i) =
-        static_cast<float>(srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4));
-  }
+  static const cv::Mat table = linearTable();
   cv::Mat light;
   cv::LUT(grey, table, light);
   return light;

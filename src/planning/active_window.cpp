@@ -9,13 +9,7 @@ ActiveWindow::ActiveWindow(const RollingGridParams& params) : params_(params), g
   hits_.resize(static_cast<std::size_t>(grid_.size()) * static_cast<std::size_t>(grid_.size()));
 }
 
-std::size_t ActiveWindow::placeOf(Cell cell) const {
-  const auto wrap = [this](int index) {
-    const int rest = index % grid_.size();
-    return static_cast<std::size_t>(rest < 0 ? rest + grid_.size() : rest);
-  };
-  return wrap(cell.y) * static_cast<std::size_t>(grid_.size()) + wrap(cell.x);
-}
+std::size_t ActiveWindow::placeOf(Cell cell) const { return static_cast<std::size_t>(grid_.ringIndex(cell)); }
 
 void ActiveWindow::update(const LaserScan& scan, const Pose2& odom_from_laser,
                           const Eigen::Vector2d& p_odom_robot) {
@@ -49,6 +43,14 @@ std::vector<WindowPoint> ActiveWindow::pointsWithin(const Eigen::Vector2d& p_odo
     }
   }
   return points;
+}
+
+std::vector<Eigen::Vector2d> placesFrom(const Pose2& odom_from_base, const std::vector<WindowPoint>& points) {
+  const Pose2 base_from_odom = odom_from_base.inverse();
+  std::vector<Eigen::Vector2d> p_base;
+  p_base.reserve(points.size());
+  for (const WindowPoint& point : points) p_base.push_back(base_from_odom * point.p_odom);
+  return p_base;
 }
 
 }  // namespace frugal_nav

@@ -102,10 +102,9 @@ const DynamicWindow::Choice* DynamicWindow::best(const std::vector<Choice>& choi
 MotionCommand DynamicWindow::plan(const LocalPlannerInput& input) {
   const Pose2 base_from_odom = input.odometry.odom_from_base.inverse();
   const double reach_m = params_.horizon_m + body_.circumradius_m + params_.margin_m;
-  std::vector<Eigen::Vector2d> p_base;
-  for (const WindowPoint& point :
-       input.window->pointsWithin(input.odometry.odom_from_base.position(), reach_m))
-    p_base.push_back(base_from_odom * point.p_odom);
+  const std::vector<Eigen::Vector2d> p_base =
+      placesFrom(input.odometry.odom_from_base,
+                 input.window->pointsWithin(input.odometry.odom_from_base.position(), reach_m));
 
   MotionCommand command;
   command.stamp = input.scan.stamp;

@@ -92,7 +92,8 @@ MotionCommand LidarAvoidance::update(const LaserScan& scan, const Pose2& base_fr
   }
   if (goal_ && !goal_->isFinite()) return stopped(idle, Status::kStopped, "the goal is not finite");
 
-  window_->update(scan, odometry.odom_from_base * base_from_laser, odometry.odom_from_base.position());
+  if (sectors_ == nullptr)  // which decides on the scan alone
+    window_->update(scan, odometry.odom_from_base * base_from_laser, odometry.odom_from_base.position());
   const std::vector<Eigen::Vector2d> obstacles = obstaclePoints(scan, base_from_laser);
   const std::string path_fault = needsPath() ? findPathFault(scan.stamp) : "";
   const bool follows = needsPath() && path_fault.empty() && !path_.empty();

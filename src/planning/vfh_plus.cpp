@@ -10,11 +10,11 @@ namespace {
 constexpr double kFacing_rad = 0.26;   // turning further toward the clear side would change nothing
 constexpr double kSlowest_mps = 0.05;  // below this the robot can turn on the spot
 
-double directionTo(const Pose2& from, const Eigen::Vector2d& p) {
+}  // namespace
+
+double VfhPlus::directionTo(const Pose2& from, const Eigen::Vector2d& p) {
   return std::atan2(p.y() - from.y_m, p.x() - from.x_m);
 }
-
-}  // namespace
 
 VfhPlus::VfhPlus(const VfhParams& params, const SpeedParams& speed, const BodyExtent& body)
     : params_(params),
@@ -63,12 +63,9 @@ double VfhPlus::choose(const Place& place, const std::vector<double>& candidates
 
 /// Where no safety distance opens a direction near the target's: straight at it all the same, if the body
 /// just fits, which a valley narrower than a sector does not show; else the first other direction.
-void VfhPlus::takeDetour(const LocalPlannerInput& input, const std::vector<WindowPoint>& points,
+void VfhPlus::takeDetour(const LocalPlannerInput& input, const std::vector<Eigen::Vector2d>& p_base,
                          double target_rad, const std::vector<Decision>& others) {
-  const Pose2 base_from_odom = input.odometry.odom_from_base.inverse();
-  std::vector<Eigen::Vector2d> p_base;
-  for (const WindowPoint& point : points) p_base.push_back(base_from_odom * point.p_odom);
-  const Corridor straight{base_from_odom * input.target_odom,
+  const Corridor straight{input.odometry.odom_from_base.inverse() * input.target_odom,
                           body_.half_width_m + 0.5 * params_.least_safety_m, body_.front_m()};
   if (isFree(straight, p_base)) {
     decision_.candidates_odom_rad.push_back(target_rad);
@@ -85,7 +82,8 @@ void VfhPlus::takeDetour(const LocalPlannerInput& input, const std::vector<Windo
   }
 }
 
-bool VfhPlus::decide(const LocalPlannerInput& input, const std::vector<WindowPoint>& points) {
+bool VfhPlus::decide(const LocalPlannerInput& input, const std::vector<WindowPoint>& points,
+                     const std::vector<Eigen::Vector2d>& p_base) {
   Place place{input.odometry.odom_from_base, input.target_odom, turningRadius(input.odometry.twist), 0.0};
   const double target = directionTo(place.odom_from_base, input.target_odom);
   std::vector<SectorRing> binaries;
@@ -105,7 +103,7 @@ bool VfhPlus::decide(const LocalPlannerInput& input, const std::vector<WindowPoi
     others.push_back(decision_);
     decision_.chosen_odom_rad.reset();
   }
-  if (!decision_.chosen_odom_rad) takeDetour(input, points, target, others);
+  if (!decision_.chosen_odom_rad) takeDetour(input, p_base, target, others);
   for (std::size_t i = 0; i < binaries.size(); ++i) {
     if (i < previous_.size())
       previous_[i] = binaries[i];
@@ -118,16 +116,14 @@ bool VfhPlus::decide(const LocalPlannerInput& input, const std::vector<WindowPoi
 
 MotionCommand VfhPlus::plan(const LocalPlannerInput& input) {
   const Pose2& base = input.odometry.odom_from_base;
-  const Pose2 base_from_odom = base.inverse();
   const std::vector<WindowPoint> points =
       input.window->pointsWithin(base.position(), 2.0 * params_.histogram.radius_m);
-  std::vector<Eigen::Vector2d> p_base;
-  for (const WindowPoint& point : points) p_base.push_back(base_from_odom * point.p_odom);
+  const std::vector<Eigen::Vector2d> p_base = placesFrom(base, points);
 
   MotionCommand command;
   command.stamp = input.scan.stamp;
   command.clear_bearing_rad = clearBearing(input);
-  if (!decide(input, points)) return turn(input, command);
+  if (!decide(input, points, p_base)) return turn(input, command);
   turning_since_.reset();
   command.status = MotionCommand::Status::kDriving;
   command.holds = MotionCommand::Holds::kVelocity;

@@ -7,10 +7,6 @@
 namespace frugal_nav {
 namespace {
 
-double directionTo(const Pose2& from, const Eigen::Vector2d& p) {
-  return std::atan2(p.y() - from.y_m, p.x() - from.x_m);
-}
-
 /// The pose after `length_m` of driving toward a direction: along the smallest circle, then straight.
 Pose2 drive(const Pose2& from, double direction_rad, double radius_m, double length_m) {
   const double turn = angleBetween(from.yaw_rad, direction_rad);

@@ -40,4 +40,7 @@ class ActiveWindow {
   std::vector<Eigen::Vector2f> hits_;  ///< one a cell, in a ring as the grid's; valid where that is occupied
 };
 
+/// Where obstacles lie in base_link [m].
+std::vector<Eigen::Vector2d> placesFrom(const Pose2& odom_from_base, const std::vector<WindowPoint>& points);
+
 }  // namespace frugal_nav

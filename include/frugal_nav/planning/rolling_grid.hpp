@@ -102,6 +102,9 @@ class RollingGrid {
   /// Certainty that a cell is an obstacle, 0 .. max_certainty.
   int certainty(Cell cell) const;
 
+  /// Where a cell of the window is kept in a ring of size() * size() entries, row by row: it stays there as
+  /// the window moves.
+  int ringIndex(Cell cell) const;
   /// The states of the window's row `y` (cell index), from origin().x on, size() of them.
   void copyRow(int y, State* row) const;
 
@@ -124,7 +127,6 @@ class RollingGrid {
   template <class Visit>
   void visitRay(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom, bool include_end,
                 const Visit& visit);
-  int ringIndex(Cell cell) const;
   Entry& entry(Cell cell) { return entries_[static_cast<std::size_t>(ringIndex(cell))]; }
   const Entry& entry(Cell cell) const { return entries_[static_cast<std::size_t>(ringIndex(cell))]; }
   State stateOf(const Entry& entry) const;

@@ -98,6 +98,8 @@ class VfhPlus : public LocalPlanner {
   /// The direction to take from the robot's place, given its candidates; overridden by those that look ahead.
   virtual double choose(const Place& place, const std::vector<double>& candidates,
                         const std::vector<WindowPoint>& points) const;
+  /// Direction in odom from a place to a point [rad].
+  static double directionTo(const Pose2& from, const Eigen::Vector2d& p);
   double cost(double direction_rad, double target_rad, double heading_rad, double previous_rad) const;
   PolarHistogram histogramAt(const Place& place, const std::vector<WindowPoint>& points,
                              const SectorRing* previous) const;
@@ -105,9 +107,10 @@ class VfhPlus : public LocalPlanner {
   double previous(double otherwise_rad) const { return previous_odom_rad_.value_or(otherwise_rad); }
 
  private:
-  bool decide(const LocalPlannerInput& input, const std::vector<WindowPoint>& points);
-  void takeDetour(const LocalPlannerInput& input, const std::vector<WindowPoint>& points, double target_rad,
-                  const std::vector<Decision>& others);
+  bool decide(const LocalPlannerInput& input, const std::vector<WindowPoint>& points,
+              const std::vector<Eigen::Vector2d>& p_base);
+  void takeDetour(const LocalPlannerInput& input, const std::vector<Eigen::Vector2d>& p_base,
+                  double target_rad, const std::vector<Decision>& others);
   double turningRadius(const Twist2& twist) const;
   MotionCommand turn(const LocalPlannerInput& input, MotionCommand command);
 

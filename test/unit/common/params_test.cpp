@@ -34,7 +34,7 @@ struct DriveParams {
     visit("cycles", cycles, Field{"", "cycles to wait", 1, 100});
     visit("method", method, Field{"", "avoidance", 0, 0, "sectors|vfh_plus"});
     visit("weights", weights, Field{"", "of both terms", 0.0, 1.0});
-    visit("sources", sources, Field{"", "where obstacles come from"});
+    visit("sources", sources, Field{"", "where obstacles come from", {}, {}, "scan|image|depth"});
     visit("gain", gain);
   }
   std::string check() const { return slow_v_mps <= max_v_mps ? "" : "slow_v_mps exceeds max_v_mps"; }
@@ -102,6 +102,11 @@ TEST(Params, RefusesValuesOutOfRange) {
 TEST(Params, RefusesPartOfAChoice) {
   expectNames(refusal({{"method", std::string("sector")}}), {"method", "none of"});
   expectNames(refusal({{"method", std::string("")}}), {"method", "none of"});
+}
+
+TEST(Params, RefusesAListWithWhatIsNoChoice) {
+  const std::vector<std::string> sources = {"scan", "sonar"};
+  expectNames(refusal({{"sources", sources}}), {"sources", "sonar", "none of scan|image|depth"});
 }
 
 TEST(Params, RefusesContradictions) {

@@ -115,7 +115,9 @@ TEST_F(LidarPlannerTest, LeadsStraightThroughTheMiddleOfADoorThatTheBodyJustFits
   ASSERT_EQ(plan.status, Status::kFound) << plan.reason;
   for (const Pose2& pose : plan.path) {
     // The spacing of the beams, 1 degree at 0.9 m, leaves half of 1.6 cm open to each side.
-    if (pose.x_m > 1.7 && pose.x_m < 2.2) EXPECT_NEAR(pose.y_m, 0.02, 0.03) << pose.x_m;
+    if (pose.x_m > 1.7 && pose.x_m < 2.2) {
+      EXPECT_NEAR(pose.y_m, 0.02, 0.03) << pose.x_m;
+    }
   }
 }
 
