@@ -37,6 +37,13 @@ bool correct(const Eigen::Matrix<double, kRows, 1>& innovation,
 
 double square(double x) { return x * x; }
 
+/// Moves on by what an input that was held told too little or too much: its noise is in the step already.
+void makeUp(const EkfMotion& motion, EkfState& state) {
+  const EkfStep step = stepAlongArc(state.mean, motion, 0.0);
+  state.mean = step.mean;
+  state.covariance = step.by_state * state.covariance * step.by_state.transpose();
+}
+
 /// The chi-square distribution function for 1 to 3 degrees of freedom.
 double chiSquareShare(double x, int degrees) {
   if (degrees == 2) return 1.0 - std::exp(-0.5 * x);
@@ -58,10 +65,9 @@ double chiSquareQuantile(double probability, int degrees) {
 }
 
 EkfStep stepAlongArc(const EkfVector& mean, const EkfMotion& motion, double duration_s) {
-  const double bias = mean[motion.rate_is_gyro ? kEkfGyroBias : kEkfRateBias];
-  const double told = motion.speed_mps * duration_s;
-  const double length = mean[kEkfScale] * told;
-  const double turn = (motion.rate_radps - bias) * duration_s;
+  const EkfIndex bias = motion.turn_is_gyro ? kEkfGyroBias : kEkfRateBias;
+  const double length = mean[kEkfScale] * motion.distance_m;
+  const double turn = motion.turn_rad - mean[bias] * duration_s;
   const double half = 0.5 * turn;
   // Chord over arc, sin(h)/h, and its derivative by h; series near zero, where the quotients lose digits.
   const bool straight = std::abs(half) < 1e-4;
@@ -83,9 +89,8 @@ EkfStep stepAlongArc(const EkfVector& mean, const EkfMotion& motion, double dura
   step.by_state.setIdentity();
   step.by_state(kEkfX, kEkfYaw) = -length * ratio * s;
   step.by_state(kEkfY, kEkfYaw) = length * ratio * c;
-  step.by_state.block<3, 1>(0, kEkfScale) = told * step.by_arc.block<3, 1>(0, 0);
-  step.by_state.block<3, 1>(0, motion.rate_is_gyro ? kEkfGyroBias : kEkfRateBias) =
-      -duration_s * step.by_arc.block<3, 1>(0, 1);
+  step.by_state.block<3, 1>(0, kEkfScale) = motion.distance_m * step.by_arc.block<3, 1>(0, 0);
+  step.by_state.block<3, 1>(0, bias) = -duration_s * step.by_arc.block<3, 1>(0, 1);
   return step;
 }
 
@@ -125,14 +130,17 @@ EkfState PoseEkf::predicted(EkfState state, Stamp stamp) const {
 }
 
 EkfState PoseEkf::withTwist(EkfState state, Stamp stamp, const Twist2& twist) const {
-  if (params_.twist_source == "encoders" && hasTwist(state)) {
-    state.twist->value.v_mps = 0.5 * (state.twist->value.v_mps + twist.v_mps);
-    state.twist->value.w_radps = 0.5 * (state.twist->value.w_radps + twist.w_radps);
-  }
   state = predicted(state, stamp);
-  state.twist = HeldInput<Twist2>{stamp, twist};
   const bool still =
       std::abs(twist.v_mps) <= params_.still_speed_mps && std::abs(twist.w_radps) <= params_.still_rate_radps;
+  const double since_s = heldFor_s(state.twist, stamp);
+  const bool stood = isStill(state) && still;
+  if (params_.twist_source == "encoders" && since_s > 0.0 && !stood) {
+    const Twist2& held = state.twist->value;
+    const double turn = hasGyro(state) ? 0.0 : (twist.w_radps - held.w_radps) * since_s;
+    makeUp({(twist.v_mps - held.v_mps) * since_s, turn, false}, state);
+  }
+  state.twist = HeldInput<Twist2>{stamp, twist};
   if (!still) {
     state.still_since.reset();
   } else if (!state.still_since) {
@@ -142,16 +150,17 @@ EkfState PoseEkf::withTwist(EkfState state, Stamp stamp, const Twist2& twist) co
 }
 
 EkfState PoseEkf::withGyro(EkfState state, Stamp stamp, double rate_radps) const {
-  const bool follows = hasGyro(state);
-  const double elapsed_s = follows ? toSeconds(stamp - state.gyro_radps->stamp) : 0.0;
-  if (follows) state.gyro_radps->value = 0.5 * (state.gyro_radps->value + rate_radps);
   state = predicted(state, stamp);
+  const double since_s = heldFor_s(state.gyro_radps, stamp);
+  const double grown = since_s > 0.0 ? rate_radps - state.gyro_radps->value : 0.0;
   state.gyro_radps = HeldInput<double>{stamp, rate_radps};
-  if (elapsed_s > 0.0 && isStill(state)) {
+  if (!isStill(state)) {
+    makeUp({0.0, 0.5 * grown * since_s, true}, state);
+  } else if (since_s > 0.0) {
     Eigen::Matrix<double, 1, kEkfSize> by_state = Eigen::Matrix<double, 1, kEkfSize>::Zero();
     by_state[kEkfGyroBias] = 1.0;
     const Eigen::Matrix<double, 1, 1> innovation(rate_radps - state.mean[kEkfGyroBias]);
-    const Eigen::Matrix<double, 1, 1> noise(square(params_.gyro_noise) / elapsed_s);
+    const Eigen::Matrix<double, 1, 1> noise(square(params_.gyro_noise) / since_s);
     correct<1>(innovation, by_state, noise, std::numeric_limits<double>::infinity(), state);
   }
   return state;
@@ -219,6 +228,13 @@ bool PoseEkf::isStill(const EkfState& state) const {
          std::abs(state.gyro_radps->value - state.mean[kEkfGyroBias]) <= params_.still_gyro_radps;
 }
 
+/// How long an input has been held; 0 when it is not there, or was not believed to the end.
+template <class Value>
+double PoseEkf::heldFor_s(const std::optional<HeldInput<Value>>& input, Stamp stamp) const {
+  const bool is_believed = input && stamp <= input->stamp + fromSeconds(params_.input_timeout_s);
+  return is_believed ? toSeconds(stamp - input->stamp) : 0.0;
+}
+
 Duration PoseEkf::stepLength(const EkfState& state, Stamp stamp) const {
   const Duration left = stamp - state.stamp;
   Duration step = std::min(left, std::max(fromSeconds(kLongestStep_s), left / kMaxSteps));
@@ -232,15 +248,16 @@ Duration PoseEkf::stepLength(const EkfState& state, Stamp stamp) const {
 EkfState PoseEkf::stepped(EkfState state, Duration duration) const {
   const double duration_s = toSeconds(duration);
   EkfMotion motion;
-  if (hasTwist(state)) motion = {state.twist->value.v_mps, state.twist->value.w_radps, false};
+  if (hasTwist(state))
+    motion = {state.twist->value.v_mps * duration_s, state.twist->value.w_radps * duration_s, false};
   if (hasGyro(state)) {
-    motion.rate_radps = state.gyro_radps->value;
-    motion.rate_is_gyro = true;
+    motion.turn_rad = state.gyro_radps->value * duration_s;
+    motion.turn_is_gyro = true;
   }
   const bool still = isStill(state);
   // Standing, and without either input, no offset may turn the heading.
   const bool turns = !still && (hasTwist(state) || hasGyro(state));
-  if (!turns) motion = {0.0, state.mean[kEkfRateBias], false};
+  if (!turns) motion = {0.0, state.mean[kEkfRateBias] * duration_s, false};
   EkfStep step = stepAlongArc(state.mean, motion, duration_s);
   if (!turns) step.by_state.setIdentity();
 

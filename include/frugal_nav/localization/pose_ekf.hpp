@@ -54,11 +54,11 @@ struct LandmarkSighting {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (range, bearing)
 };
 
-/// Speed and yaw rate that move the state during one step.
+/// What moves the state in one step, as wheels and gyro tell it.
 struct EkfMotion {
-  double speed_mps = 0.0;
-  double rate_radps = 0.0;
-  bool rate_is_gyro = false;  ///< which of the two rate offsets is taken off
+  double distance_m = 0.0;
+  double turn_rad = 0.0;
+  bool turn_is_gyro = false;  ///< which of the two rate offsets is taken off
 };
 
 /// A step along the exact arc with its derivatives.
@@ -92,9 +92,9 @@ class PoseEkf {
   /// believed; without a twist the position becomes uncertain every way, without either the heading too.
   EkfState predicted(EkfState state, Stamp stamp) const;
 
-  /// A new twist or yaw rate at its stamp. What encoders and the gyro say is taken to have changed evenly
-  /// since the last value, what was commanded to hold from its stamp on. While the wheels stand, the yaw rate
-  /// is the gyro's bias.
+  /// A new twist or yaw rate at its stamp. What encoders say is the mean since their last twist, what the
+  /// gyro says has changed evenly since its last rate, what was commanded holds from its stamp on. While the
+  /// wheels stand, the yaw rate is the gyro's bias.
   EkfState withTwist(EkfState state, Stamp stamp, const Twist2& twist) const;
   EkfState withGyro(EkfState state, Stamp stamp, double rate_radps) const;
 
@@ -118,6 +118,8 @@ class PoseEkf {
   bool hasTwist(const EkfState& state) const;
   bool hasGyro(const EkfState& state) const;
   bool isStill(const EkfState& state) const;
+  template <class Value>
+  double heldFor_s(const std::optional<HeldInput<Value>>& input, Stamp stamp) const;
   Duration stepLength(const EkfState& state, Stamp stamp) const;
   EkfState stepped(EkfState state, Duration step) const;
   void addNoise(const EkfState& before, const EkfStep& step, double duration_s, EkfMatrix& covariance) const;

@@ -9,8 +9,8 @@ namespace frugal_nav {
 /// Noise of the motion that the wheels' twist tells; "per root" values are densities, so that the uncertainty
 /// does not depend on the rate of the input.
 struct TwistNoiseParams {
-  double distance_noise = 0.006;
-  double speed_noise = 0.003;
+  double distance_noise = 0.004;
+  double speed_noise = 0.002;
   double turn_noise = 0.05;
   double veer_noise = 0.03;
   double rate_noise = 0.005;
@@ -19,7 +19,7 @@ struct TwistNoiseParams {
   void fields(Visitor&& visit) {
     visit("distance_noise", distance_noise,
           Field{"m/sqrt(m)",
-                "of the distance, a root metre driven: 6 mm after one metre of calibrated wheels", 0.0, 5.0});
+                "of the distance, a root metre driven: 4 mm after one metre of calibrated wheels", 0.0, 5.0});
     visit("speed_noise", speed_noise,
           Field{"m/sqrt(s)", "of the distance, a root second moving: jerks at low speed", 0.0, 5.0});
     visit("turn_noise", turn_noise,
@@ -35,7 +35,7 @@ struct TwistNoiseParams {
 struct PoseFilterParams {
   std::string twist_source = "encoders";
   TwistNoiseParams twist;
-  double gyro_noise = 0.001;
+  double gyro_noise = 0.0005;
   double gyro_bias_sigma_radps = 0.02;
   double gyro_bias_walk = 1e-4;
   bool estimate_scale = false;

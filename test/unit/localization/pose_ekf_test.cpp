@@ -37,7 +37,7 @@ TEST(PoseEkf, StepHasTheDerivativesByTheState) {
     const double bias = gyro ? 0.03 : -0.02;
     // The last but one turns by 0: the series; the last by little more than the series' limit.
     for (const double rate : {0.8, -2.5, bias, bias + 3e-3}) {
-      const EkfMotion motion{0.6, rate, gyro};
+      const EkfMotion motion{0.06, 0.1 * rate, gyro};
       const EkfVector mean = stateAt(1.0, -2.0, 3.1);
       const EkfMatrix numerical = numericalByState(mean, motion, 0.1);
       EXPECT_LT((stepAlongArc(mean, motion, 0.1).by_state - numerical).cwiseAbs().maxCoeff(), 1e-8)
@@ -47,24 +47,24 @@ TEST(PoseEkf, StepHasTheDerivativesByTheState) {
 }
 
 TEST(PoseEkf, StepHasTheDerivativesByTheArc) {
-  // More speed is more distance, more rate more turn: with scale 1.07 and 0.1 s by 0.107 m and 0.1 rad.
   const EkfVector mean = stateAt(1.0, -2.0, 0.4);
-  const EkfStep step = stepAlongArc(mean, {0.6, 0.8, true}, 0.1);
+  const EkfStep step = stepAlongArc(mean, {0.06, 0.08, true}, 0.1);
   constexpr double kIncrement = 1e-5;
-  const EkfVector by_speed = (stepAlongArc(mean, {0.6 + kIncrement, 0.8, true}, 0.1).mean -
-                              stepAlongArc(mean, {0.6 - kIncrement, 0.8, true}, 0.1).mean) /
-                             (2.0 * kIncrement * 0.107);
-  const EkfVector by_rate = (stepAlongArc(mean, {0.6, 0.8 + kIncrement, true}, 0.1).mean -
-                             stepAlongArc(mean, {0.6, 0.8 - kIncrement, true}, 0.1).mean) /
-                            (2.0 * kIncrement * 0.1);
-  EXPECT_LT((step.by_arc.col(0) - by_speed).cwiseAbs().maxCoeff(), 1e-8);
-  EXPECT_LT((step.by_arc.col(1) - by_rate).cwiseAbs().maxCoeff(), 1e-8);
+  constexpr double kScale = 1.07;  // of stateAt: so much farther than told
+  const EkfVector by_distance = (stepAlongArc(mean, {0.06 + kIncrement, 0.08, true}, 0.1).mean -
+                                 stepAlongArc(mean, {0.06 - kIncrement, 0.08, true}, 0.1).mean) /
+                                (2.0 * kIncrement * kScale);
+  const EkfVector by_turn = (stepAlongArc(mean, {0.06, 0.08 + kIncrement, true}, 0.1).mean -
+                             stepAlongArc(mean, {0.06, 0.08 - kIncrement, true}, 0.1).mean) /
+                            (2.0 * kIncrement);
+  EXPECT_LT((step.by_arc.col(0) - by_distance).cwiseAbs().maxCoeff(), 1e-8);
+  EXPECT_LT((step.by_arc.col(1) - by_turn).cwiseAbs().maxCoeff(), 1e-8);
 }
 
 TEST(PoseEkf, StepFollowsTheExactArc) {
   EkfVector mean = EkfVector::Zero();
   mean[kEkfScale] = 1.0;
-  const EkfStep step = stepAlongArc(mean, {1.0, 1.0, true}, M_PI_2);  // a quarter of a circle of 1 m
+  const EkfStep step = stepAlongArc(mean, {M_PI_2, M_PI_2, true}, M_PI_2);  // a quarter of a circle of 1 m
   EXPECT_NEAR(step.mean[kEkfX], 1.0, 1e-12);
   EXPECT_NEAR(step.mean[kEkfY], 1.0, 1e-12);
   EXPECT_NEAR(step.mean[kEkfYaw], M_PI_2, 1e-12);
