@@ -99,6 +99,14 @@ TEST(PoseFilter, ChangingSpeedsMoveByTheirMeans) {
   EXPECT_NEAR(pose.y_m, 1.0 - std::cos(0.1), 1e-5);
 }
 
+TEST(PoseFilter, ASuddenStopMovesNoFarther) {
+  PoseFilter filter{PoseFilterParams{}};
+  filter.addPose(at(0.0), fixAt({0.0, 0.0, 0.0}), at(0.0));
+  drive(filter, 0.0, 1.0, {0.2, 0.0});
+  drive(filter, 1.02, 2.0, {0.0, 0.0});
+  EXPECT_NEAR(filter.estimate()->map_from_base.x_m, 0.2, 1e-9);  // held on, it would be 4 mm more
+}
+
 TEST(PoseFilter, LearnsTheGyrosBiasWhileTheWheelsStand) {
   PoseFilter filter{PoseFilterParams{}};
   filter.addPose(at(0.0), fixAt({0.0, 0.0, 0.0}), at(0.0));
