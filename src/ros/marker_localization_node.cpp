@@ -261,7 +261,9 @@ void MarkerLocalizationNode::report(const MarkerImageResult& result) {
   diagnostics_.set("markers in the image", static_cast<double>(result.fix.sightings.size()));
   diagnostics_.set("markers accepted", static_cast<double>(accepted));
   diagnostics_.set("last image", result.reason());
-  const bool is_doubtful = result.fix.isGood() ? !result.isUsed() : !result.fix.sightings.empty();
+  // A lone marker far away may well look alike from two places: that is no fault.
+  const bool is_seen = !result.fix.sightings.empty() && result.fix.status != MarkerFix::Status::kAmbiguous;
+  const bool is_doubtful = result.fix.isGood() ? !result.isUsed() : is_seen;
   if (is_doubtful) ROS_WARN_THROTTLE(5.0, "markers not used: %s", result.reason().c_str());
 }
 
