@@ -44,7 +44,7 @@ CameraStackParams loadCameraStack(const std::string& share_dir) {
   params.models_dir = share_dir + "/models";
   params.detector = loadParamFile<YoloParams>(config + "models/heads.yaml");
   params.network = loadParamFile<DepthNetworkParams>(config + "models/depth_small.yaml");
-  params.calibration = loadPart<HeadCalibrationParams>({config + "goal_detector.yaml"}, "calibration/");
+  params.feet = loadPart<FeetParams>({config + "goal_detector.yaml"}, "feet/");
   params.closer_look = loadPart<CloserLookParams>({config + "goal_detector.yaml"}, "closer_look/");
   params.odometry = loadPart<WheelOdometryParams>(
       {config + "wheel_odometry.yaml", config + "simulated/wheel_odometry.yaml"});
@@ -79,7 +79,7 @@ CameraStack::CameraStack(const CameraStackParams& params, const RobotModel& robo
       base_from_optical_(robot.baseFrom("camera_optical_frame")),
       latency_(latency),
       wheels_(params.odometry, {robot.drive.radius_m, robot.drive.separation_m}),
-      finder_(orDetector(std::move(detector), params), params.range, params.tracker, params.calibration,
+      finder_(orDetector(std::move(detector), params), params.range, params.tracker, params.feet,
               params.closer_look),
       visual_(params.visual, camera, base_from_optical_),
       depth_(orNetwork(std::move(network), params), params.depth),

@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <limits>
 #include <utility>
 
 #include <frugal_nav/perception/goal_finder.hpp>
@@ -16,62 +14,37 @@ constexpr std::size_t kAwaited = 8;
 constexpr double kSameFeet_m = 0.15;
 // While nobody is known, persons this far away are looked for most closely: nearer ones are large.
 constexpr double kFar_m = 6.0;
-// A factor that differs by less is the same.
-constexpr double kSameFactor = 0.02;
-
-/// The sound sighting of the goal's class that is nearest to it.
-std::optional<std::size_t> nearestSighting(const GoalFrame& frame, const Pose2& odom_from_base) {
-  std::optional<std::size_t> nearest;
-  double nearest_m = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
-    const HeadSighting& sighting = frame.sightings[i];
-    if (sighting.status != HeadSighting::Status::kGood || sighting.class_id != frame.goal->class_id) continue;
-    const double off_m = (odom_from_base * sighting.p_base - frame.goal->p_odom).norm();
-    if (off_m >= nearest_m) continue;
-    nearest_m = off_m;
-    nearest = i;
-  }
-  return nearest;
-}
 
 }  // namespace
 
 GoalFinder::GoalFinder(std::unique_ptr<Detector> detector, const HeadRangeParams& range,
-                       const GoalTrackerParams& tracker, const HeadCalibrationParams& calibration,
+                       const GoalTrackerParams& tracker, const FeetParams& feet,
                        const CloserLookParams& closer_look)
     : detector_(std::move(detector)),
       range_params_(range),
       tracker_(tracker),
-      calibration_(calibration),
+      feet_(feet),
       closer_look_(closer_look) {
   validate(range, "head range");
+  validate(feet, "feet");
 }
 
 void GoalFinder::setParams(const HeadRangeParams& range, const GoalTrackerParams& tracker,
-                           const HeadCalibrationParams& calibration, const CloserLookParams& closer_look) {
+                           const FeetParams& feet, const CloserLookParams& closer_look) {
   validate(range, "head range");
-  const HeadCalibration wanted(calibration);
+  validate(feet, "feet");
   closer_look_ = CloserLook(closer_look);
   tracker_ = GoalTracker(tracker);
-  calibration_ = wanted;
+  feet_ = feet;
   range_params_ = range;
   reset();
 }
 
 void GoalFinder::reset() {
   tracker_.reset();
-  calibration_.reset();
-  head_factor_ = 1.0;
   placed_ = false;
   p_odom_feet_.reset();
   looks_.clear();
-}
-
-HeadRangeParams GoalFinder::calibratedRange() const {
-  HeadRangeParams range = range_params_;
-  range.head_height_m *= head_factor_;
-  range.head_depth_m *= head_factor_;
-  return range;
 }
 
 std::vector<cv::Rect> GoalFinder::partsToEnlarge(const GoalView& view, const HeadRange& range,
@@ -103,7 +76,7 @@ GoalFrame GoalFinder::look(const GoalView& view) {
   frame.fault = viewFault(view.bgr, view.camera, view.odom_from_base);
   bool could_see = true;
   if (frame.fault.empty()) {
-    const HeadRange range(calibratedRange(), view.camera.scaled(view.bgr.cols, view.bgr.rows),
+    const HeadRange range(range_params_, view.camera.scaled(view.bgr.cols, view.bgr.rows),
                           view.base_from_optical);
     const std::optional<TrackedGoal> known = tracker_.goal();
     could_see = !known || range.couldSee(view.odom_from_base.inverse() * known->p_odom, known->above_floor_m);
@@ -115,67 +88,45 @@ GoalFrame GoalFinder::look(const GoalView& view) {
   frame.goal = tracker_.goal();
   frame.observed = frame.goal && (frame.state == GoalTracker::State::kSeen || placed_);
   placed_ = false;
-  if (!frame.goal) {  // the next one has a head of its own
-    calibration_.reset();
-    head_factor_ = 1.0;
-    looks_.clear();
-  }
+  frame.goal_detection = tracker_.seenBy();
+  if (!frame.goal) looks_.clear();
   if (looks_.size() >= kAwaited) looks_.pop_front();
-  if (frame.state == GoalTracker::State::kUnseen && !could_see) {
-    looks_.push_back({view.stamp, view.odom_from_base, std::nullopt});
-    return frame;
+  if (frame.state == GoalTracker::State::kSeen || (frame.goal && !could_see)) {
+    looks_.push_back({view.stamp, view.odom_from_base});
+  } else {
+    p_odom_feet_.reset();
   }
-  p_odom_feet_.reset();
-  if (frame.state != GoalTracker::State::kSeen) return frame;
-  frame.goal_detection = nearestSighting(frame, view.odom_from_base);
-  if (!frame.goal_detection) return frame;
-  HeadSighting head = frame.sightings[*frame.goal_detection];
-  head.range_m /= head_factor_;
-  looks_.push_back({view.stamp, view.odom_from_base, head});
   return frame;
 }
 
 void GoalFinder::addSurfaces(const LaserScan& surfaces) {
   const auto found = std::find_if(looks_.begin(), looks_.end(),
                                   [&](const Look& look) { return look.stamp == surfaces.stamp; });
-  if (found == looks_.end() || !calibration_.params().enabled) return;
-  if (found->head) {
-    calibrate(*found->head, surfaces);
-  } else {
-    placeBySurfaces(found->odom_from_base, surfaces);
-  }
+  if (found != looks_.end() && feet_.enabled) placeBySurfaces(*found, surfaces);
 }
 
-void GoalFinder::calibrate(const HeadSighting& head, const LaserScan& surfaces) {
-  calibration_.add(head, surfaces);
-  const double change = calibration_.factor() / head_factor_ - 1.0;
-  if (std::abs(change) < kSameFactor) return;
-  head_factor_ = calibration_.factor();
-  tracker_.doubt(change * head.range_m);  // its place came from the other size
-}
-
-void GoalFinder::placeBySurfaces(const Pose2& odom_from_base, const LaserScan& surfaces) {
+void GoalFinder::placeBySurfaces(const Look& look, const LaserScan& surfaces) {
   const std::optional<TrackedGoal> goal = tracker_.goal();
   if (!goal) return;
-  const Eigen::Vector2d p_base = odom_from_base.inverse() * goal->p_odom;
+  const Eigen::Vector2d p_base = look.odom_from_base.inverse() * goal->p_odom;
   const double bearing_rad = std::atan2(p_base.y(), p_base.x());
-  const std::optional<double> range_m =
-      bodyRange(bearing_rad, p_base.norm(), surfaces, calibration_.params());
-  if (!range_m || !standsFree(bearing_rad, *range_m, surfaces, calibration_.params())) {
+  const std::optional<double> range_m = bodyRange(bearing_rad, p_base.norm(), surfaces, feet_);
+  if (!range_m || !standsFree(bearing_rad, *range_m, surfaces, feet_)) {
     p_odom_feet_.reset();
     return;
   }
-  const double yaw_rad = odom_from_base.yaw_rad + bearing_rad;
+  const double yaw_rad = look.odom_from_base.yaw_rad + bearing_rad;
   const Eigen::Vector2d along(std::cos(yaw_rad), std::sin(yaw_rad));
-  const Eigen::Vector2d p_odom = odom_from_base.position() + *range_m * along;
+  const Eigen::Vector2d p_odom = look.odom_from_base.position() + *range_m * along;
   const bool agrees = p_odom_feet_ && (p_odom - *p_odom_feet_).norm() < kSameFeet_m;
   p_odom_feet_ = p_odom;
   if (!agrees) return;  // one image may mistake something else for them
   const Eigen::Vector2d aside(-along.y(), along.x());
-  const double along_m = calibration_.params().body_sigma_m;
-  const double aside_m = calibration_.params().half_width_m;
+  const double along_m = std::hypot(feet_.body_sigma_m, feet_.range_sigma_share * *range_m);
+  const double aside_m = feet_.half_width_m;
   placed_ = tracker_.place(
-      p_odom, along_m * along_m * along * along.transpose() + aside_m * aside_m * aside * aside.transpose());
+      look.stamp, p_odom,
+      along_m * along_m * along * along.transpose() + aside_m * aside_m * aside * aside.transpose());
 }
 
 }  // namespace frugal_nav

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/LU>
 
@@ -9,17 +8,35 @@
 namespace frugal_nav {
 namespace {
 
-Eigen::Matrix2d rotated(const Eigen::Matrix2d& covariance, double angle_rad) {
-  const Eigen::Matrix2d r = Eigen::Rotation2Dd(angle_rad).toRotationMatrix();
-  return r * covariance * r.transpose();
-}
+constexpr int kSize = 3;  // index of the head's size in the state
 
 bool isUsable(const HeadSighting& sighting) {
   return sighting.status == HeadSighting::Status::kGood && sighting.p_base.allFinite() &&
-         sighting.noise_m2.allFinite() && sighting.noise_m2.determinant() > 0.0;
+         sighting.from_eye_m.allFinite() && sighting.noise_m2.allFinite() &&
+         sighting.noise_m2.determinant() > 0.0;
+}
+
+/// Kalman's step in Joseph's form, which stays symmetric and positive.
+template <int kRows>
+void correct(const Eigen::Matrix<double, kRows, 4>& by_state, const Eigen::Matrix<double, kRows, 1>& off,
+             const Eigen::Matrix<double, kRows, kRows>& noise, Eigen::Vector4d& state,
+             Eigen::Matrix4d& covariance) {
+  const Eigen::Matrix<double, kRows, kRows> spread = by_state * covariance * by_state.transpose() + noise;
+  const Eigen::Matrix<double, 4, kRows> gain = covariance * by_state.transpose() * spread.inverse();
+  const Eigen::Matrix4d rest = Eigen::Matrix4d::Identity() - gain * by_state;
+  state += gain * off;
+  covariance = rest * covariance * rest.transpose() + gain * noise * gain.transpose();
 }
 
 }  // namespace
+
+/// How a sighting differs from what a track lets expect.
+struct GoalTracker::Innovation {
+  Eigen::Vector3d off;
+  Eigen::Matrix3d noise;
+  Eigen::Matrix<double, 3, 4> by_state;
+  double sigmas = 0.0;
+};
 
 GoalTracker::GoalTracker(const GoalTrackerParams& params) : params_(params) {
   validate(params, "goal tracker");
@@ -30,6 +47,7 @@ void GoalTracker::reset() {
   last_stamp_.reset();
   goal_.reset();
   candidate_.reset();
+  seen_by_.reset();
 }
 
 GoalTracker::State GoalTracker::update(Stamp stamp, const Pose2& odom_from_base,
@@ -37,65 +55,94 @@ GoalTracker::State GoalTracker::update(Stamp stamp, const Pose2& odom_from_base,
   if (last_stamp_ && stamp < *last_stamp_) reset();
   if (last_stamp_ && stamp == *last_stamp_) return state_;
   last_stamp_ = stamp;
+  seen_by_.reset();
   std::vector<Seen> seen;
-  for (const HeadSighting& sighting : sightings) {
+  const Eigen::Isometry3d to_odom = toIsometry(odom_from_base);
+  const Eigen::Matrix3d turn = to_odom.linear();
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const HeadSighting& sighting = sightings[i];
     if (!isUsable(sighting) || !odom_from_base.isFinite()) continue;
-    seen.push_back({&sighting, odom_from_base * sighting.p_base,
-                    rotated(sighting.noise_m2, odom_from_base.yaw_rad),
-                    rotated(sighting.common_m2, odom_from_base.yaw_rad)});
+    const Eigen::Vector3d p_base(sighting.p_base.x(), sighting.p_base.y(), sighting.above_floor_m);
+    seen.push_back({&sighting, i, to_odom * p_base, turn * sighting.from_eye_m,
+                    turn * sighting.noise_m2 * turn.transpose()});
   }
+  predict(goal_, stamp);
+  predict(candidate_, stamp);
   if (goal_) updateGoal(stamp, seen, could_see);
   updateCandidate(stamp, seen);
   return state_;
 }
 
-GoalTracker::Seen* GoalTracker::nearest(const Track& track, std::vector<Seen>& seen, double min_score) const {
+void GoalTracker::predict(std::optional<Track>& track, Stamp stamp) const {
+  if (!track) return;
+  const double since_s = toSeconds(stamp - track->stamp);
+  track->covariance.topLeftCorner<2, 2>() += params_.drift_m2ps * since_s * Eigen::Matrix2d::Identity();
+  track->stamp = stamp;
+}
+
+GoalTracker::Track GoalTracker::trackOf(const Seen& seen, Stamp stamp) const {
+  Track track;
+  track.stamp = track.since = track.goal.last_seen = stamp;
+  track.goal.class_id = seen.sighting->class_id;
+  track.goal.score = seen.sighting->score;
+  track.goal.sightings = 1;
+  track.state << seen.p_odom, 1.0;
+  const double size_variance = seen.sighting->size_sigma * seen.sighting->size_sigma;
+  track.covariance.topLeftCorner<3, 3>() =
+      seen.noise_m2 + size_variance * seen.from_eye * seen.from_eye.transpose();
+  track.covariance.topRightCorner<3, 1>() = size_variance * seen.from_eye;
+  track.covariance.bottomLeftCorner<1, 3>() = size_variance * seen.from_eye.transpose();
+  track.covariance(kSize, kSize) = size_variance;
+  return track;
+}
+
+/// A head of `size` times the assumed one seems to stand at 1 / size of its distance from the eye.
+GoalTracker::Innovation GoalTracker::compare(const Track& track, const Seen& seen, Stamp stamp) const {
+  const Eigen::Vector3d eye = seen.p_odom - seen.from_eye;
+  const double size = track.state[kSize];
+  const Eigen::Vector3d from_eye = track.state.head<3>() - eye;
+  const double since_s = toSeconds(stamp - track.goal.last_seen);
+  Innovation innovation;
+  innovation.off = seen.from_eye - from_eye / size;
+  innovation.noise = seen.noise_m2 * std::max(1.0, params_.alike_s / std::max(since_s, 1e-3));
+  innovation.by_state << Eigen::Matrix3d::Identity() / size, -from_eye / (size * size);
+  const Eigen::Matrix3d spread =
+      innovation.by_state * track.covariance * innovation.by_state.transpose() + innovation.noise;
+  innovation.sigmas = std::sqrt(innovation.off.dot(spread.inverse() * innovation.off));
+  return innovation;
+}
+
+GoalTracker::Seen* GoalTracker::nearest(const Track& track, std::vector<Seen>& seen, double min_score,
+                                        Stamp stamp) const {
   Seen* best = nullptr;
-  double best_distance = std::numeric_limits<double>::infinity();
+  double best_sigmas = params_.gate_sigma;
   for (Seen& candidate : seen) {
     const HeadSighting* sighting = candidate.sighting;
     if (sighting == nullptr || sighting->score < min_score || sighting->class_id != track.goal.class_id)
       continue;
-    if (std::abs(sighting->above_floor_m - track.goal.above_floor_m) > params_.height_gate_m) continue;
-    const Eigen::Vector2d gap = candidate.p_odom - track.goal.p_odom;
-    const Eigen::Matrix2d spread = track.goal.covariance_m2 + candidate.noise_m2 + candidate.common_m2;
-    const double sigmas = std::sqrt(gap.dot(spread.inverse() * gap));
-    const bool is_near = sigmas <= params_.gate_sigma ||
-                         (gap.norm() <= params_.min_gate_m && sighting->score >= params_.start_score);
-    if (is_near && sigmas < best_distance) {
-      best = &candidate;
-      best_distance = sigmas;
-    }
+    const double sigmas = compare(track, candidate, stamp).sigmas;
+    if (!(sigmas < best_sigmas)) continue;
+    best = &candidate;
+    best_sigmas = sigmas;
   }
   return best;
 }
 
 void GoalTracker::absorb(Track& track, const Seen& seen, Stamp stamp) const {
-  TrackedGoal& goal = track.goal;
-  const Eigen::Vector2d gap = seen.p_odom - goal.p_odom;
-  goal.covariance_m2 +=
-      params_.drift_m2ps * std::max(0.0, toSeconds(stamp - goal.last_seen)) * Eigen::Matrix2d::Identity();
-  const double sigmas = std::sqrt(gap.dot((goal.covariance_m2 + seen.noise_m2).inverse() * gap));
-  // Too far off for noise, yet too near for another: the goal has moved, and its old place counts less.
-  if (sigmas > params_.gate_sigma) goal.covariance_m2 += gap * gap.transpose();
-  const Eigen::Matrix2d gain = goal.covariance_m2 * (goal.covariance_m2 + seen.noise_m2).inverse();
-  const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - gain;
-  goal.p_odom += gain * gap;
-  // Joseph's form stays symmetric and positive.
-  goal.covariance_m2 = rest * goal.covariance_m2 * rest.transpose() + gain * seen.noise_m2 * gain.transpose();
-  ++goal.sightings;
-  goal.above_floor_m += (seen.sighting->above_floor_m - goal.above_floor_m) / std::min(goal.sightings, 10);
-  goal.score = seen.sighting->score;
-  goal.last_seen = stamp;
-  track.common_odom_m2 = seen.common_m2;
+  const Innovation innovation = compare(track, seen, stamp);
+  correct<3>(innovation.by_state, innovation.off, innovation.noise, track.state, track.covariance);
+  ++track.goal.sightings;
+  track.goal.score = seen.sighting->score;
+  track.goal.last_seen = stamp;
 }
 
 void GoalTracker::updateGoal(Stamp stamp, std::vector<Seen>& seen, bool could_see) {
   // Where it is out of view a weak sighting is something else: a shadow, a hand.
-  Seen* own = nearest(*goal_, seen, could_see ? params_.keep_score : params_.start_score);
+  Seen* own = nearest(*goal_, seen, could_see ? params_.keep_score : params_.start_score, stamp);
   if (own != nullptr) {
     absorb(*goal_, *own, stamp);
     own->sighting = nullptr;  // taken
+    seen_by_ = own->index;
   }
   if (own != nullptr || !could_see) last_excused_ = stamp;
   state_ = own != nullptr ? State::kSeen : State::kUnseen;
@@ -108,10 +155,9 @@ void GoalTracker::updateGoal(Stamp stamp, std::vector<Seen>& seen, bool could_se
 }
 
 void GoalTracker::updateCandidate(Stamp stamp, std::vector<Seen>& seen) {
-  if (candidate_ && toSeconds(stamp - candidate_->goal.last_seen) > params_.confirm_within_s) {
+  if (candidate_ && toSeconds(stamp - candidate_->goal.last_seen) > params_.confirm_within_s)
     candidate_.reset();
-  }
-  Seen* own = candidate_ ? nearest(*candidate_, seen, params_.start_score) : nullptr;
+  Seen* own = candidate_ ? nearest(*candidate_, seen, params_.start_score, stamp) : nullptr;
   if (own != nullptr) {
     absorb(*candidate_, *own, stamp);
   } else if (!candidate_) {
@@ -119,52 +165,46 @@ void GoalTracker::updateCandidate(Stamp stamp, std::vector<Seen>& seen) {
     const auto best = std::max_element(seen.begin(), seen.end(),
                                        [&](const Seen& a, const Seen& b) { return score(a) < score(b); });
     if (best == seen.end() || score(*best) < params_.start_score) return;
-    TrackedGoal first;
-    first.last_seen = stamp;
-    first.class_id = best->sighting->class_id;
-    first.score = best->sighting->score;
-    first.p_odom = best->p_odom;
-    first.covariance_m2 = best->noise_m2;
-    first.above_floor_m = best->sighting->above_floor_m;
-    first.sightings = 1;
-    candidate_ = Track{first, best->common_m2};
+    own = &*best;
+    candidate_ = trackOf(*own, stamp);
   }
-  const bool is_confirmed = candidate_ && candidate_->goal.sightings >= params_.confirm_sightings;
-  if (!goal_ && is_confirmed && candidate_->goal.last_seen == stamp) {
-    goal_ = candidate_;
-    candidate_.reset();
-    last_excused_ = stamp;
-    state_ = State::kSeen;
-  }
+  if (own == nullptr || !replacesGoal(*candidate_, stamp)) return;
+  goal_ = candidate_;
+  candidate_.reset();
+  last_excused_ = stamp;
+  state_ = State::kSeen;
+  seen_by_ = own->index;
 }
 
-void GoalTracker::doubt(double sigma_m) {
-  if (goal_) goal_->goal.covariance_m2 += sigma_m * sigma_m * Eigen::Matrix2d::Identity();
+/// Whether a candidate has stood long enough to be the goal, and the goal there may be is not elsewhere.
+bool GoalTracker::replacesGoal(const Track& candidate, Stamp stamp) const {
+  if (candidate.goal.sightings < params_.confirm_sightings ||
+      toSeconds(stamp - candidate.since) < params_.stand_s)
+    return false;
+  if (!goal_) return true;
+  return goal_->goal.last_seen < candidate.since &&
+         (goal_->state - candidate.state).head<2>().norm() <= params_.shift_m;
 }
 
-bool GoalTracker::place(const Eigen::Vector2d& p_odom, const Eigen::Matrix2d& covariance_m2) {
+bool GoalTracker::place(Stamp stamp, const Eigen::Vector2d& p_odom, const Eigen::Matrix2d& covariance_m2) {
   if (!goal_) return false;
-  TrackedGoal& goal = goal_->goal;
-  // It does not depend on the head's size, which all sightings so far had in common.
-  const Eigen::Matrix2d prior = goal.covariance_m2 + goal_->common_odom_m2;
-  const Eigen::Vector2d gap = p_odom - goal.p_odom;
-  const Eigen::Matrix2d inverse = (prior + covariance_m2).inverse();
-  if (gap.dot(inverse * gap) > params_.gate_sigma * params_.gate_sigma) return false;
-  const Eigen::Matrix2d gain = prior * inverse;
-  const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - gain;
-  goal.p_odom += gain * gap;
-  goal.covariance_m2 = rest * prior * rest.transpose() + gain * covariance_m2 * gain.transpose();
-  goal_->common_odom_m2.setZero();
+  const double since_s = std::max(toSeconds(stamp - goal_->placed), 1e-3);
+  const Eigen::Matrix2d noise = covariance_m2 * std::max(1.0, params_.alike_s / since_s);
+  const Eigen::Vector2d off = p_odom - goal_->state.head<2>();
+  const Eigen::Matrix2d spread = goal_->covariance.topLeftCorner<2, 2>() + noise;
+  if (off.dot(spread.inverse() * off) > params_.gate_sigma * params_.gate_sigma) return false;
+  correct<2>(Eigen::Matrix<double, 2, 4>::Identity(), off, noise, goal_->state, goal_->covariance);
+  goal_->placed = stamp;
   return true;
 }
 
 std::optional<TrackedGoal> GoalTracker::goal() const {
-  if (!goal_ || !last_stamp_) return std::nullopt;
+  if (!goal_) return std::nullopt;
   TrackedGoal goal = goal_->goal;
-  goal.stamp = *last_stamp_;
-  goal.covariance_m2 += goal_->common_odom_m2 + params_.drift_m2ps *
-                                                    std::max(0.0, toSeconds(goal.stamp - goal.last_seen)) *
-                                                    Eigen::Matrix2d::Identity();
+  goal.stamp = goal_->stamp;
+  goal.p_odom = goal_->state.head<2>();
+  goal.above_floor_m = goal_->state[2];
+  goal.covariance_m2 = goal_->covariance.topLeftCorner<2, 2>();
   return goal;
 }
 

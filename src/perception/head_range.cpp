@@ -79,19 +79,20 @@ HeadSighting HeadRange::locate(const Detection& head) const {
   by_look.col(1) = depth * Eigen::Vector3d::UnitY() + depth_by_y * direction;
   by_look.col(2) = depth_by_h * direction;
 
-  const Eigen::Matrix<double, 2, 3> to_ground = base_from_optical_.linear().topRows<2>();
-  const Eigen::Vector3d p = base_from_optical_ * (depth * direction);
+  sighting.from_eye_m = base_from_optical_.linear() * (depth * direction);
+  const Eigen::Vector3d p = base_from_optical_.translation() + sighting.from_eye_m;
   sighting.p_base = p.head<2>();
   sighting.above_floor_m = p.z();
   sighting.range_m = sighting.p_base.norm();
   sighting.bearing_rad = std::atan2(p.y(), p.x());
-  sighting.p_by_box = to_ground * by_look * look.by_box;
+  sighting.place_by_box = base_from_optical_.linear() * by_look * look.by_box;
+  sighting.size_sigma = params_.head_height_share;
 
   const double edge_px = std::hypot(params_.edge_noise_px, params_.edge_noise_share * box.height);
   const Eigen::Vector3d variances(0.5 * edge_px * edge_px, edge_px * edge_px, edge_px * edge_px);
-  sighting.noise_m2 = sighting.p_by_box * variances.asDiagonal() * sighting.p_by_box.transpose();
-  const Eigen::Vector2d by_size = to_ground * (depth * direction) * params_.head_height_share;
-  sighting.common_m2 = by_size * by_size.transpose();
+  const double aside_m = params_.direction_noise_rad * sighting.from_eye_m.norm();
+  sighting.noise_m2 = sighting.place_by_box * variances.asDiagonal() * sighting.place_by_box.transpose() +
+                      aside_m * aside_m * Eigen::Matrix3d::Identity();
 
   sighting.status = judge(box, sighting);
   return sighting;

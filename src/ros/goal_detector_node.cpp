@@ -26,7 +26,7 @@ GoalFinder makeFinder(const GoalDetectorNodeParams& params) {
   const std::string share_dir = ros::package::getPath("frugal_nav");
   const std::string config = configOf(params.detector, share_dir);
   return {makeDetector(readParamFile(config), params.detector, share_dir), params.head, params.tracker,
-          params.calibration, params.closer_look};
+          params.feet, params.closer_look};
 }
 
 Detection2DArray detectionsMessage(const CameraFrame& frame, const std::vector<Detection>& detections) {
@@ -145,9 +145,9 @@ GoalDetectorNode::GoalDetectorNode(ros::NodeHandle nh, ros::NodeHandle pnh)
   live_ = tuneLive<GoalDetectorNodeParams>(pnh, params_, [this](const GoalDetectorNodeParams& wanted) {
     params_.head = wanted.head;
     params_.tracker = wanted.tracker;
-    params_.calibration = wanted.calibration;
+    params_.feet = wanted.feet;
     params_.closer_look = wanted.closer_look;
-    finder_.setParams(params_.head, params_.tracker, params_.calibration, params_.closer_look);
+    finder_.setParams(params_.head, params_.tracker, params_.feet, params_.closer_look);
   });
 }
 

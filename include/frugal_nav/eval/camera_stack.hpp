@@ -32,7 +32,7 @@ struct CameraStackParams {
   YoloParams detector;
   HeadRangeParams range;
   GoalTrackerParams tracker;
-  HeadCalibrationParams calibration;
+  FeetParams feet;
   CloserLookParams closer_look;
   DepthNetworkParams network;
   WheelOdometryParams odometry;

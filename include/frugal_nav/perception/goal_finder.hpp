@@ -16,8 +16,8 @@
 #include <frugal_nav/common/time.hpp>
 #include <frugal_nav/perception/closer_look.hpp>
 #include <frugal_nav/perception/detector.hpp>
+#include <frugal_nav/perception/feet_range.hpp>
 #include <frugal_nav/perception/goal_tracker.hpp>
-#include <frugal_nav/perception/head_calibration.hpp>
 #include <frugal_nav/perception/head_range.hpp>
 
 namespace frugal_nav {
@@ -47,40 +47,36 @@ class GoalFinder {
  public:
   /// Throws ConfigError on parameters out of range.
   GoalFinder(std::unique_ptr<Detector> detector, const HeadRangeParams& range,
-             const GoalTrackerParams& tracker, const HeadCalibrationParams& calibration = {},
+             const GoalTrackerParams& tracker, const FeetParams& feet = {},
              const CloserLookParams& closer_look = {});
 
   /// Takes one image. One that cannot be used, or a camera without calibration, counts as nothing seen: the
   /// goal is lost after its time-out and found again when sound images return.
   GoalFrame look(const GoalView& view);
   /// The nearest surfaces in the view of an image looked at before, in base_link: where the goal's feet stand
-  /// corrects the size of its head from the next image on, or its place while its head is out of view.
+  /// tells its place, and so the size of its head, from the next image on.
   void addSurfaces(const LaserScan& surfaces);
 
   const Detector& detector() const { return *detector_; }
   /// Other parameters from the next image on; the goal is forgotten. Throws ConfigError when they are bad.
-  void setParams(const HeadRangeParams& range, const GoalTrackerParams& tracker,
-                 const HeadCalibrationParams& calibration = {}, const CloserLookParams& closer_look = {});
+  void setParams(const HeadRangeParams& range, const GoalTrackerParams& tracker, const FeetParams& feet = {},
+                 const CloserLookParams& closer_look = {});
   /// Forgets the goal.
   void reset();
 
  private:
   std::unique_ptr<Detector> detector_;
-  HeadRangeParams calibratedRange() const;
   std::vector<cv::Rect> partsToEnlarge(const GoalView& view, const HeadRange& range, bool could_see) const;
 
   HeadRangeParams range_params_;
   GoalTracker tracker_;
-  HeadCalibration calibration_;
+  FeetParams feet_;
   CloserLook closer_look_;
-  double head_factor_ = 1.0;  ///< of the goal's head over range_params_, as applied
   struct Look {
     Stamp stamp{};
     Pose2 odom_from_base;
-    std::optional<HeadSighting> head;  ///< the goal's, with the assumed size; empty: out of the camera's view
   };
-  void calibrate(const HeadSighting& head, const LaserScan& surfaces);
-  void placeBySurfaces(const Pose2& odom_from_base, const LaserScan& surfaces);
+  void placeBySurfaces(const Look& look, const LaserScan& surfaces);
 
   bool placed_ = false;                         ///< by its feet, since the last image
   std::optional<Eigen::Vector2d> p_odom_feet_;  ///< where they were seen in the last image

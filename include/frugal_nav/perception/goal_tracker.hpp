@@ -19,11 +19,12 @@ struct GoalTrackerParams {
   double keep_score = 0.25;
   int confirm_sightings = 3;
   double confirm_within_s = 1.0;
+  double stand_s = 0.6;
   double lost_after_s = 2.0;
   double forget_unseeable_s = 60.0;
   double gate_sigma = 3.0;
-  double min_gate_m = 0.5;
-  double height_gate_m = 0.3;
+  double shift_m = 1.0;
+  double alike_s = 0.5;
   double drift_m2ps = 0.0005;
 
   template <class Visitor>
@@ -37,6 +38,9 @@ struct GoalTrackerParams {
           Field{"", "sightings in one place that make a goal: one false detection makes none", 1, 100});
     visit("confirm_within_s", confirm_within_s,
           Field{"s", "longest gap between those sightings", 0.01, 60.0});
+    visit("stand_s", stand_s,
+          Field{"s", "for how long it must have been seen in that place: who walks by is not the goal", 0.0,
+                60.0});
     visit("lost_after_s", lost_after_s,
           Field{"s", "a goal that should be in view and is not seen that long is lost", 0.05, 600.0});
     visit("forget_unseeable_s", forget_unseeable_s,
@@ -44,11 +48,14 @@ struct GoalTrackerParams {
                 0.05, 36000.0});
     visit("gate_sigma", gate_sigma,
           Field{"", "a sighting farther off is something else, in standard deviations", 1.0, 10.0});
-    visit("min_gate_m", min_gate_m,
-          Field{"m", "a sighting of start_score this close belongs to the goal in any case: people shift",
+    visit("shift_m", shift_m,
+          Field{"m",
+                "one found standing this near to a goal that is not seen there any more is that goal: people "
+                "shift, and its place may have been wrong",
                 0.0, 5.0});
-    visit("height_gate_m", height_gate_m,
-          Field{"m", "a sighting this much higher or lower over the floor is something else", 0.0, 3.0});
+    visit("alike_s", alike_s,
+          Field{"s", "what two frames tell within this time errs alike: together they count as one", 0.0,
+                10.0});
     visit("drift_m2ps", drift_m2ps,
           Field{"m^2/s", "how fast the goal's variance grows: a standing person sways", 0.0, 10.0});
   }
@@ -69,8 +76,9 @@ struct TrackedGoal {
   int sightings = 0;  ///< that went into it
 };
 
-/// One goal followed over frames in odom: a Kalman filter on its place, standing or slow. The noise of the
-/// boxes averages out over frames; what all frames share, the head's unknown size, stays in the covariance.
+/// One goal followed over frames in odom: a Kalman filter on the place of its head, its height over the floor
+/// and its size over the assumed one. All frames see the same head: how it rises in the image, and how its
+/// bearing turns, while the robot drives tells the distance, and so the size, better than any assumed size.
 /// A missed frame is not a lost goal; a lost goal is found anew by the sightings that would make a first one.
 class GoalTracker {
  public:
@@ -93,36 +101,47 @@ class GoalTracker {
   State state() const { return state_; }
   /// The goal while it is kSeen or kUnseen.
   std::optional<TrackedGoal> goal() const;
+  /// Which of the last frame's sightings was the goal's; set while kSeen.
+  std::optional<std::size_t> seenBy() const { return seen_by_; }
   /// A place of the goal from elsewhere than a head, with its covariance. False for one too far off, which is
   /// ignored.
-  bool place(const Eigen::Vector2d& p_odom, const Eigen::Matrix2d& covariance_m2);
-  /// What it was told so far may be off by this standard deviation: later sightings count more.
-  void doubt(double sigma_m);
+  bool place(Stamp stamp, const Eigen::Vector2d& p_odom, const Eigen::Matrix2d& covariance_m2);
   /// Forgets everything.
   void reset();
 
  private:
   struct Track {
-    TrackedGoal goal;                // its covariance without the common part
-    Eigen::Matrix2d common_odom_m2;  // of the last sighting
+    TrackedGoal goal;                                 // what the state does not say
+    Stamp stamp{};                                    // of the state
+    Stamp since{};                                    // first sighting
+    Stamp placed{};                                   // last place from elsewhere
+    Eigen::Vector4d state = Eigen::Vector4d::Zero();  // place in odom, height over the floor, size
+    Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   };
   struct Seen {  // a sighting in odom
     const HeadSighting* sighting = nullptr;
-    Eigen::Vector2d p_odom;
-    Eigen::Matrix2d noise_m2;
-    Eigen::Matrix2d common_m2;
+    std::size_t index = 0;
+    Eigen::Vector3d p_odom;
+    Eigen::Vector3d from_eye;
+    Eigen::Matrix3d noise_m2;
   };
+  struct Innovation;
 
-  Seen* nearest(const Track& track, std::vector<Seen>& seen, double min_score) const;
+  void predict(std::optional<Track>& track, Stamp stamp) const;
+  Track trackOf(const Seen& seen, Stamp stamp) const;
+  Innovation compare(const Track& track, const Seen& seen, Stamp stamp) const;
+  Seen* nearest(const Track& track, std::vector<Seen>& seen, double min_score, Stamp stamp) const;
   void absorb(Track& track, const Seen& seen, Stamp stamp) const;
   void updateGoal(Stamp stamp, std::vector<Seen>& seen, bool could_see);
   void updateCandidate(Stamp stamp, std::vector<Seen>& seen);
+  bool replacesGoal(const Track& candidate, Stamp stamp) const;
 
   GoalTrackerParams params_;
   State state_ = State::kNone;
   std::optional<Stamp> last_stamp_;
   std::optional<Track> goal_;
   std::optional<Track> candidate_;
+  std::optional<std::size_t> seen_by_;
   Stamp last_excused_{};  // last instant at which the goal was seen or could not be
 };
 

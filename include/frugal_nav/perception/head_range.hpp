@@ -14,9 +14,10 @@ namespace frugal_nav {
 struct HeadRangeParams {
   double head_height_m = 0.232;
   double head_depth_m = 0.20;
-  double head_height_share = 0.05;
+  double head_height_share = 0.06;
   double edge_noise_px = 1.0;
   double edge_noise_share = 0.02;
+  double direction_noise_rad = 0.003;
   double min_box_px = 10.0;
   double border_px = 2.0;
   double border_share = 0.12;
@@ -38,6 +39,9 @@ struct HeadRangeParams {
     visit("edge_noise_px", edge_noise_px, Field{"px", "standard deviation of a box's edge", 0.0, 50.0});
     visit("edge_noise_share", edge_noise_share,
           Field{"", "more of it, as a share of the box's height: large boxes are no sharper", 0.0, 0.5});
+    visit("direction_noise_rad", direction_noise_rad,
+          Field{"rad", "standard deviation of where the camera looks: a body that rocks, stamps of turns",
+                0.0, 0.1});
     visit("min_box_px", min_box_px,
           Field{"px", "a lower box gives no distance: an edge's error would be a tenth of it", 1.0, 1000.0});
     visit("border_px", border_px,
@@ -71,14 +75,18 @@ struct HeadSighting {
   Status status = Status::kNotFinite;
   int class_id = 0;
   double score = 0.0;
-  Eigen::Vector2d p_base = Eigen::Vector2d::Zero();     ///< on the ground, in base_link [m]
-  double above_floor_m = 0.0;                           ///< of the head's centre
-  double range_m = 0.0;                                 ///< from base_link, on the ground
-  double bearing_rad = 0.0;                             ///< from base_link, left positive
-  Eigen::Matrix2d noise_m2 = Eigen::Matrix2d::Zero();   ///< of p_base, new with each frame: the box's noise
-  Eigen::Matrix2d common_m2 = Eigen::Matrix2d::Zero();  ///< of p_base, the same in all: the head's size
-  Eigen::Matrix<double, 2, 3> p_by_box =
-      Eigen::Matrix<double, 2, 3>::Zero();  ///< of p_base by the box's centre column, top and bottom [m/px]
+  Eigen::Vector2d p_base = Eigen::Vector2d::Zero();  ///< on the ground, in base_link [m]
+  double above_floor_m = 0.0;                        ///< of the head's centre
+  double range_m = 0.0;                              ///< from base_link, on the ground
+  double bearing_rad = 0.0;                          ///< from base_link, left positive
+  Eigen::Matrix3d noise_m2 =
+      Eigen::Matrix3d::Zero();  ///< of (p_base, above_floor_m), new with each frame: the box's noise
+  Eigen::Vector3d from_eye_m =
+      Eigen::Vector3d::Zero();  ///< from the camera to the head, in base_link: the way it is farther off when
+                                ///< it is twice as large as assumed
+  double size_sigma = 0.0;      ///< of the head's size over the assumed one, the same in all frames
+  Eigen::Matrix3d place_by_box = Eigen::Matrix3d::Zero();  ///< of (p_base, above_floor_m) by the box's centre
+                                                           ///< column, top and bottom [m/px]
 };
 
 /// In words, for messages.

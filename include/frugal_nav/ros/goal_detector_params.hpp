@@ -2,8 +2,8 @@
 
 #include <frugal_nav/perception/closer_look.hpp>
 #include <frugal_nav/perception/detector_choice.hpp>
+#include <frugal_nav/perception/feet_range.hpp>
 #include <frugal_nav/perception/goal_tracker.hpp>
-#include <frugal_nav/perception/head_calibration.hpp>
 #include <frugal_nav/perception/head_range.hpp>
 #include <frugal_nav/ros/intake_params.hpp>
 
@@ -15,7 +15,7 @@ struct GoalDetectorNodeParams {
   DetectorChoice detector;
   HeadRangeParams head;
   GoalTrackerParams tracker;
-  HeadCalibrationParams calibration;
+  FeetParams feet;
   CloserLookParams closer_look;
 
   template <class Visitor>
@@ -24,7 +24,7 @@ struct GoalDetectorNodeParams {
     detector.fields(visit);
     visit("head", head);
     visit("tracker", tracker);
-    visit("calibration", calibration);
+    visit("feet", feet);
     visit("closer_look", closer_look);
   }
 };

@@ -62,6 +62,10 @@ class GoalFinding : public testing::Test {
     return finder_.look(view_);
   }
 
+  void findGoal() {
+    for (int i = 0; i < 8; ++i) frame();  // longer than GoalTrackerParams::stand_s
+  }
+
   GoalView view_;
   GoalFinder finder_;
 };
@@ -69,8 +73,7 @@ class GoalFinding : public testing::Test {
 // Z = 500 * 0.25 / 50 = 2.5 m; the box's centre at 220 is 100 px left of 320: y = 0.5 m.
 TEST_F(GoalFinding, PutsTheHeadIntoOdom) {
   view_.odom_from_base = {1.0, 2.0, M_PI / 2};
-  frame();
-  frame();
+  findGoal();
   const GoalFrame found = frame();
   EXPECT_EQ(found.fault, "");
   ASSERT_EQ(found.state, State::kSeen);
@@ -82,8 +85,7 @@ TEST_F(GoalFinding, PutsTheHeadIntoOdom) {
 
 TEST_F(GoalFinding, TakesResizedImages) {
   show({100, 20, 20, 25}, {320, 240});
-  frame();
-  frame();
+  findGoal();
   const GoalFrame found = frame();
   ASSERT_EQ(found.state, State::kSeen);
   EXPECT_NEAR(found.goal->p_odom.x(), 2.5, 1e-9);
@@ -92,7 +94,7 @@ TEST_F(GoalFinding, TakesResizedImages) {
 
 TEST_F(GoalFinding, SaysWhyAnImageCannotBeUsedAndRecovers) {
   const GoalView sound = view_;
-  for (int i = 0; i < 3; ++i) frame();
+  findGoal();
   view_.bgr = cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(0));
   EXPECT_EQ(frame().fault, "the image is black");
   EXPECT_EQ(frame().state, State::kUnseen);
@@ -110,15 +112,14 @@ TEST_F(GoalFinding, SaysWhyAnImageCannotBeUsedAndRecovers) {
   view_.odom_from_base.x_m = std::nan("");
   EXPECT_THAT(frame().fault, HasSubstr("odometry"));
   view_.odom_from_base = Pose2{};
-  frame();
-  frame();
+  findGoal();
   EXPECT_EQ(frame().state, State::kSeen);
 }
 
 // The head seen at 2.5 m is 0.4 + 2.5 * 175 / 500 = 1.275 m up: from 1 m nearer its top is 1.0 / 1.5 of the
 // focal length above the middle, out of the image's upper half of 240 px.
 TEST_F(GoalFinding, KeepsAGoalTooNearToBeInView) {
-  for (int i = 0; i < 3; ++i) frame();
+  findGoal();
   view_.odom_from_base.x_m = 1.0;
   view_.bgr.setTo(cv::Scalar::all(100));
   for (int i = 0; i < 50; ++i) EXPECT_EQ(frame().state, State::kUnseen);
@@ -144,14 +145,14 @@ LaserScan bodyAt(Stamp stamp, double bearing_rad, double range_m) {
 
 // As above; the person stands 0.25 m farther than the head told, 1.75 m from the robot, half a metre aside.
 TEST_F(GoalFinding, PlacesAGoalTooNearToBeInViewByItsFeet) {
-  for (int i = 0; i < 3; ++i) frame();
+  findGoal();
   view_.odom_from_base.x_m = 1.0;
   view_.bgr.setTo(cv::Scalar::all(100));
   const double bearing = std::atan2(0.5, 1.5);
   const double range = std::hypot(1.75, 0.583);
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 40; ++i) {
     frame();
-    finder_.addSurfaces(bodyAt(view_.stamp, bearing, range - HeadCalibrationParams{}.body_depth_m));
+    finder_.addSurfaces(bodyAt(view_.stamp, bearing, range - FeetParams{}.body_depth_m));
   }
   const GoalFrame found = frame();
   EXPECT_EQ(found.state, State::kUnseen);
@@ -163,7 +164,7 @@ TEST_F(GoalFinding, PlacesAGoalTooNearToBeInViewByItsFeet) {
 }
 
 TEST_F(GoalFinding, DoesNotTakeAWallForTheGoalsFeet) {
-  for (int i = 0; i < 3; ++i) frame();
+  findGoal();
   view_.odom_from_base.x_m = 1.0;
   view_.bgr.setTo(cv::Scalar::all(100));
   for (int i = 0; i < 20; ++i) {
@@ -176,7 +177,7 @@ TEST_F(GoalFinding, DoesNotTakeAWallForTheGoalsFeet) {
 }
 
 TEST_F(GoalFinding, DoesNotTakeAnotherThingForTheGoalsFeet) {
-  for (int i = 0; i < 3; ++i) frame();
+  findGoal();
   view_.odom_from_base.x_m = 1.0;
   view_.bgr.setTo(cv::Scalar::all(100));
   for (int i = 0; i < 20; ++i) {
@@ -184,6 +185,12 @@ TEST_F(GoalFinding, DoesNotTakeAnotherThingForTheGoalsFeet) {
     finder_.addSurfaces(bodyAt(view_.stamp, std::atan2(0.5, 1.5), 0.8));
   }
   EXPECT_NEAR(frame().goal->p_odom.x(), 2.5, 1e-6);
+}
+
+TEST_F(GoalFinding, RefusesBadParametersOfTheFeet) {
+  FeetParams feet;
+  feet.max_ratio = 0.5;
+  EXPECT_THROW(finder_.setParams(flatHead(), GoalTrackerParams{}, feet), ConfigError);
 }
 
 // A head of 50 px whose box ends 4 px under the image's upper edge: the detector's box ends before the edge.

@@ -136,14 +136,15 @@ TEST(HeadRange, HasTheRightDerivative) {
   const double top = 60.0;
   const double bottom = 100.0;
   const auto at = [&](double du, double dt, double db) {
-    return range.locate(boxOf(u + du, top + dt, bottom + db)).p_base;
+    const HeadSighting sighting = range.locate(boxOf(u + du, top + dt, bottom + db));
+    return Eigen::Vector3d(sighting.p_base.x(), sighting.p_base.y(), sighting.above_floor_m);
   };
   const double step = 1e-4;  // central differences: relative error about (step / 40)^2
-  Eigen::Matrix<double, 2, 3> numeric;
+  Eigen::Matrix3d numeric;
   numeric.col(0) = (at(step, 0, 0) - at(-step, 0, 0)) / (2 * step);
   numeric.col(1) = (at(0, step, 0) - at(0, -step, 0)) / (2 * step);
   numeric.col(2) = (at(0, 0, step) - at(0, 0, -step)) / (2 * step);
-  const Eigen::Matrix<double, 2, 3> analytic = range.locate(boxOf(u, top, bottom)).p_by_box;
+  const Eigen::Matrix3d analytic = range.locate(boxOf(u, top, bottom)).place_by_box;
   EXPECT_LT((analytic - numeric).cwiseAbs().maxCoeff(), 1e-6) << analytic << "\n\n" << numeric;
 }
 
@@ -151,6 +152,7 @@ TEST(HeadRange, SaysHowNoisyItIs) {
   HeadRangeParams params;
   params.edge_noise_px = 1.0;
   params.edge_noise_share = 0.0;
+  params.direction_noise_rad = 0.0;
   const HeadRange range(params, bentCamera(), mounted(0.1, 0.4, 0.1));
   const HeadSighting truth = range.locate(boxOf(200, 60, 100));
   Random random(500002);
@@ -180,9 +182,25 @@ TEST(HeadRange, SaysWhatTheUnknownSizeOfHeadsMakes) {
   params.head_height_share = 0.05;
   const HeadRange range(params, idealCamera(), mounted(0.0, 0.4, 0.0));
   const HeadSighting sighting = range.locate(boxOf(200, 60, 110));
-  EXPECT_NEAR(std::sqrt(sighting.common_m2(0, 0)), 0.05 * 2.5, 1e-9);
-  EXPECT_NEAR(std::sqrt(sighting.common_m2(1, 1)), 0.05 * 0.6, 1e-9);
-  EXPECT_NEAR(sighting.common_m2.determinant(), 0.0, 1e-12);
+  EXPECT_NEAR(sighting.size_sigma, 0.05, 1e-12);
+  params.head_height_m *= 1.05;
+  const HeadSighting larger =
+      HeadRange(params, idealCamera(), mounted(0.0, 0.4, 0.0)).locate(boxOf(200, 60, 110));
+  EXPECT_NEAR((larger.p_base - sighting.p_base - 0.05 * sighting.from_eye_m.head<2>()).norm(), 0.0, 1e-9);
+  EXPECT_NEAR(larger.above_floor_m - sighting.above_floor_m, 0.05 * sighting.from_eye_m.z(), 1e-9);
+}
+
+// The camera's direction off by 0.01 rad moves a head at 3 m by 3 cm aside, and up.
+TEST(HeadRange, CountsThatTheCameraRocks) {
+  HeadRangeParams params = flatHead();
+  params.direction_noise_rad = 0.0;
+  const Detection box = boxOf(320, 200, 242);
+  const HeadSighting still = HeadRange(params, idealCamera(), mounted(0.0, 0.4, 0.0)).locate(box);
+  params.direction_noise_rad = 0.01;
+  const HeadSighting rocks = HeadRange(params, idealCamera(), mounted(0.0, 0.4, 0.0)).locate(box);
+  const double aside_m = 0.01 * still.from_eye_m.norm();
+  EXPECT_NEAR(rocks.noise_m2(1, 1) - still.noise_m2(1, 1), aside_m * aside_m, 1e-9);
+  EXPECT_NEAR(rocks.noise_m2(2, 2) - still.noise_m2(2, 2), aside_m * aside_m, 1e-9);
 }
 
 TEST(HeadRange, BelievesNoBoxThatIsNoWholeHead) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <frugal_nav/common/geometry.hpp>
-#include <frugal_nav/perception/head_calibration.hpp>
+#include <frugal_nav/perception/feet_range.hpp>
 
 namespace frugal_nav {
 namespace {
@@ -26,8 +26,7 @@ std::optional<double> nearestBody(std::vector<double> hits_m) {
 
 }  // namespace
 
-bool standsFree(double bearing_rad, double range_m, const LaserScan& surfaces,
-                const HeadCalibrationParams& params) {
+bool standsFree(double bearing_rad, double range_m, const LaserScan& surfaces, const FeetParams& params) {
   constexpr double kInner = 1.5;  // half widths from the middle, within which the air beside it is looked for
   constexpr double kOuter = 3.0;
   constexpr double kBehind_m = 0.4;
@@ -48,12 +47,8 @@ bool standsFree(double bearing_rad, double range_m, const LaserScan& surfaces,
   return true;
 }
 
-HeadCalibration::HeadCalibration(const HeadCalibrationParams& params) : params_(params) {
-  validate(params, "head calibration");
-}
-
 std::optional<double> bodyRange(double bearing_rad, double range_m, const LaserScan& surfaces,
-                                const HeadCalibrationParams& params) {
+                                const FeetParams& params) {
   const double half_rad = std::atan2(params.half_width_m, range_m);
   std::vector<double> hits_m;
   for (std::size_t i = 0; i < surfaces.ranges_m.size(); ++i) {
@@ -66,24 +61,6 @@ std::optional<double> bodyRange(double bearing_rad, double range_m, const LaserS
   const double ratio = (*nearest_m + params.body_depth_m) / range_m;
   if (ratio > params.max_ratio || ratio < 1.0 / params.max_ratio) return std::nullopt;
   return *nearest_m + params.body_depth_m;
-}
-
-void HeadCalibration::add(const HeadSighting& head, const LaserScan& surfaces) {
-  if (!params_.enabled || head.status != HeadSighting::Status::kGood || !(head.range_m > 0.0)) return;
-  const std::optional<double> range_m = bodyRange(head.bearing_rad, head.range_m, surfaces, params_);
-  if (!range_m) return;
-  ratios_.push_back(*range_m / head.range_m);
-  if (static_cast<int>(ratios_.size()) > params_.max_samples) ratios_.pop_front();
-}
-
-bool HeadCalibration::isKnown() const { return static_cast<int>(ratios_.size()) >= params_.min_samples; }
-
-double HeadCalibration::factor() const {
-  if (!isKnown()) return 1.0;
-  std::vector<double> sorted(ratios_.begin(), ratios_.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
 }
 
 }  // namespace frugal_nav
