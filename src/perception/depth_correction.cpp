@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <frugal_nav/perception/depth_correction.hpp>
 
@@ -90,6 +91,26 @@ class BilateralGrid {
   std::vector<float> value_;
 };
 
+/// The cell near an anchor's whose fitted depth is most like the anchor's: at an edge the anchor's own cell
+/// may show what lies behind.
+cv::Point mostAlike(const cv::Mat& inverse_depth_pm, const cv::Point& cell, double anchor_pm) {
+  constexpr int kReach = 2;
+  cv::Point best = cell;
+  double least = std::numeric_limits<double>::infinity();
+  for (int row = std::max(0, cell.y - kReach); row <= std::min(inverse_depth_pm.rows - 1, cell.y + kReach);
+       ++row) {
+    for (int column = std::max(0, cell.x - kReach);
+         column <= std::min(inverse_depth_pm.cols - 1, cell.x + kReach); ++column) {
+      const auto fitted = static_cast<double>(std::max(inverse_depth_pm.at<float>(row, column), kLeast_pm));
+      const double off = std::abs(std::log(anchor_pm / fitted));
+      if (off >= least) continue;
+      least = off;
+      best = {column, row};
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 cv::Mat correctDepth(const cv::Mat& inverse_depth_pm, const std::vector<DepthAnchor>& anchors,
@@ -97,14 +118,19 @@ cv::Mat correctDepth(const cv::Mat& inverse_depth_pm, const std::vector<DepthAnc
   BilateralGrid grid(inverse_depth_pm.size(), params);
   const double prior = 1.0 / (params.network_sigma * params.network_sigma);
   for (const DepthAnchor& anchor : anchors) {
-    const int column = cvRound(anchor.cell.x);
-    const int row = cvRound(anchor.cell.y);
-    if (row < 0 || row >= inverse_depth_pm.rows || column < 0 || column >= inverse_depth_pm.cols) continue;
-    const float fitted = inverse_depth_pm.at<float>(row, column);
-    const double ratio = std::log(anchor.inverse_depth_pm / std::max(fitted, kLeast_pm));
-    if (!(std::abs(ratio) < anchor.gate)) continue;
+    const cv::Point own(cvRound(anchor.cell.x), cvRound(anchor.cell.y));
+    if (!cv::Rect(cv::Point(), inverse_depth_pm.size()).contains(own)) continue;
+    float fitted = inverse_depth_pm.at<float>(own);
+    double ratio = std::log(anchor.inverse_depth_pm / std::max(fitted, kLeast_pm));
+    double gate = anchor.gate;
+    if (ratio > gate && ratio < anchor.unseen_gate) {
+      fitted = inverse_depth_pm.at<float>(mostAlike(inverse_depth_pm, own, anchor.inverse_depth_pm));
+      ratio = std::log(anchor.inverse_depth_pm / std::max(fitted, kLeast_pm));
+      gate = ratio > gate ? anchor.unseen_gate : gate;
+    }
+    if (!(std::abs(ratio) < gate)) continue;
     const double variance = anchor.relative_sigma * anchor.relative_sigma + 1e-4;
-    const double trust = 1.0 / (1.0 + std::pow(ratio / std::max(params.doubt, 0.5 * anchor.gate), 2));
+    const double trust = 1.0 / (1.0 + std::pow(ratio / std::max(params.doubt, 0.5 * gate), 2));
     // Weights are in units of the prior's: one for an anchor no better than the network.
     grid.add(anchor.cell.x, anchor.cell.y, fitted, static_cast<float>(trust / variance / prior),
              static_cast<float>(ratio));

@@ -1,5 +1,6 @@
 #include "detector_support.hpp"
 #include "metric_cues.hpp"
+#include "standing_points.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +18,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr float kLeastInverse_pm = 0.01F;
+// What stands is no farther than its points, but for their scatter.
+constexpr double kScatter = 0.8;
 
 std::string faultOf(const DepthView& view) {
   const std::string fault = viewFault(view.bgr, view.camera, view.odom_from_base);
@@ -75,12 +78,9 @@ struct DepthGap::Impl {
     return cv::max(cv::Mat(fit.a * inverse + fit.b), kLeastInverse_pm);
   }
 
-  /// The fitted inverse depth, mended by what is remembered of feet that are out of view.
-  cv::Mat reminded(const cv::Mat& inverse, const MetricFit& fit,
-                   const std::vector<DepthAnchor>& remembered) const {
-    const cv::Mat fitted = fittedInverse(inverse, fit);
-    return fitted.empty() || remembered.empty() ? fitted
-                                                : correctDepth(fitted, remembered, params.correction);
+  /// A fitted inverse depth mended by known ones; empty while there is no fit.
+  cv::Mat mendedBy(const std::vector<DepthAnchor>& anchors, const cv::Mat& fitted) const {
+    return fitted.empty() || anchors.empty() ? fitted : correctDepth(fitted, anchors, params.correction);
   }
 
   void fitMetres(const DepthView& view, const cv::Mat& floor_mask, DepthFrame& frame) {
@@ -117,16 +117,10 @@ struct DepthGap::Impl {
   }
 
   /// Mends the fitted depth by all that is known in metres, and says how sure it then is.
-  cv::Mat mend(const DepthView& view, const cv::Mat& small, const cv::Mat& fitted, const DepthFrame& frame,
-               const std::vector<DepthAnchor>& remembered, cv::Mat& sigma) const {
+  cv::Mat mend(const std::vector<DepthAnchor>& anchors, const cv::Mat& fitted, cv::Mat& sigma) const {
     const double network_sigma = params.correction.network_sigma;
     sigma = cv::Mat(fitted.size(), CV_32FC1, cv::Scalar(network_sigma));
     if (fitted.empty() || params.method == "unscaled") return fitted;
-    std::vector<DepthAnchor> anchors = voAnchors(view, *rays, params.vo_scale_sigma);
-    if (params.method == "fused") {
-      append(contactAnchors(frame.contacts, *rays, small), anchors);
-      append(remembered, anchors);
-    }
     cv::Mat weight;
     cv::Mat mended = correctDepth(fitted, anchors, params.correction, &weight);
     cv::Mat share;
@@ -217,15 +211,31 @@ struct DepthGap::Impl {
     const bool use_geometry = params.method == "fused";
     const std::vector<DepthAnchor> remembered =
         use_geometry ? memory.recall(view.stamp, view.odom_from_base, *rays) : std::vector<DepthAnchor>();
-    const cv::Mat expected = use_geometry ? reminded(frame.inverse, filter.fit(), remembered) : cv::Mat();
-    const cv::Mat evidence = lookForFloor(small, probability, expected);
+    const cv::Mat expected =
+        use_geometry ? mendedBy(remembered, fittedInverse(frame.inverse, filter.fit())) : cv::Mat();
+    const std::vector<DepthAnchor> points = voAnchors(view, *rays, params.vo_scale_sigma);
+    std::vector<DepthAnchor> anchors = points;
+    cv::Mat evidence = lookForFloor(small, probability, expected);
+    cv::Mat standing;
+    if (use_geometry) {
+      standing = findStanding(points, *rays, params.scan.max_height_m);
+      confirmFloor(points, *rays, evidence);
+      denyFloor(standing, evidence);
+      append(standingAnchors(standing), anchors);
+    }
     fitMetres(view, floorBefore(evidence, expected), frame);
     const cv::Mat fitted = fittedInverse(frame.inverse, frame.fit);
-    frame.contacts = findFloorContacts(evidence, use_geometry ? fitted : cv::Mat(), *rays, params.contact);
+    frame.contacts = findFloorContacts(evidence, use_geometry ? mendedBy(anchors, fitted) : cv::Mat(), *rays,
+                                       params.contact);
     refineContacts(view.bgr, *rays, params.contact, frame.contacts);
     frame.floor = floorOf(frame.contacts, *rays);
+    if (use_geometry && !fitted.empty()) {
+      append(contactAnchors(frame.contacts, *rays, small, points, fitted), anchors);
+      append(remembered, anchors);
+    }
     cv::Mat sigma;
-    const cv::Mat mended = mend(view, small, fitted, frame, remembered, sigma);
+    cv::Mat mended = mend(anchors, fitted, sigma);
+    if (use_geometry && !mended.empty()) mended = cv::max(mended, kScatter * standing);
     if (!mended.empty()) frame.depth_m = depthOf(mended, frame);
     if (use_geometry) memory.update(view.stamp, view.odom_from_base, *rays, frame.contacts);
     frame.surfaces = findSurfaces(mended, sigma, frame.contacts, *rays, params.scan);

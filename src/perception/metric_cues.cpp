@@ -1,5 +1,7 @@
 #include "metric_cues.hpp"
 
+#include "standing_points.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,8 +11,7 @@ namespace {
 
 constexpr double kNearest_m = 0.1;
 constexpr double kFarthest_m = 20.0;
-// How far a fitted depth may be off (logarithm): features at an edge often belong to what is behind it.
-constexpr double kVoGate = 0.4;
+// How far a fitted depth may be off (logarithm).
 constexpr double kContactGate = 0.6;
 
 /// The value of the cell that holds a place.
@@ -59,6 +60,38 @@ std::vector<KnownDepth> voDepths(const DepthView& view, const ViewRays& rays, do
     known.push_back({rays.toGrid({x, y}), depth, sigma});
   }
   return known;
+}
+
+/// How many points near one in the grid lie at its depth, itself among them.
+int alikeNear(const DepthAnchor& anchor, const std::vector<DepthAnchor>& points) {
+  constexpr float kReach = 10.0F;
+  return static_cast<int>(std::count_if(points.begin(), points.end(), [&anchor](const DepthAnchor& other) {
+    return std::abs(other.cell.x - anchor.cell.x) <= kReach &&
+           std::abs(other.cell.y - anchor.cell.y) <= kReach && isAsFar(anchor, other);
+  }));
+}
+
+/// Whether points on the thing that stands in a column say that its foot is elsewhere. `fitted` (1/m) tells
+/// what is one thing.
+bool isContradicted(int column, const FloorContact& contact, const std::vector<DepthAnchor>& points,
+                    const cv::Mat& fitted) {
+  constexpr float kReach = 4.0F;       // columns
+  constexpr double kSameThing = 0.15;  // of the fitted depths (logarithm)
+  constexpr double kElsewhere = 0.06;  // of the known ones
+  constexpr int kLeast = 3;
+  const cv::Rect grid(cv::Point(), fitted.size());
+  const cv::Point foot(column, std::max(0, contact.row - 2));
+  int here = 0;
+  int elsewhere = 0;
+  for (const DepthAnchor& point : points) {
+    const cv::Point cell(cvRound(point.cell.x), cvRound(point.cell.y));
+    if (std::abs(point.cell.x - static_cast<float>(column)) > kReach || cell.y >= contact.row) continue;
+    if (!grid.contains(cell)) continue;
+    const auto ratio = static_cast<double>(fitted.at<float>(cell) / fitted.at<float>(foot));
+    if (std::abs(std::log(ratio)) > kSameThing) continue;
+    ++(std::abs(std::log(point.inverse_depth_pm * contact.depth_m)) > kElsewhere ? elsewhere : here);
+  }
+  return elsewhere >= kLeast && elsewhere > 2 * here;
 }
 
 /// Whether a cell and the one below it have much the same colour, as within one surface.
@@ -120,11 +153,16 @@ std::vector<DepthAnchor> voAnchors(const DepthView& view, const ViewRays& rays, 
     anchors.push_back({cv::Point2f(static_cast<float>(known.cell.x()), static_cast<float>(known.cell.y())),
                        1.0 / known.depth_m, known.sigma_m / known.depth_m, kVoGate});
   }
+  for (DepthAnchor& anchor : anchors) {
+    constexpr int kLeastAlike = 4;
+    if (alikeNear(anchor, anchors) >= kLeastAlike) anchor.unseen_gate = kUnseenGate;
+  }
   return anchors;
 }
 
 std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contacts, const ViewRays& rays,
-                                        const cv::Mat& small_bgr) {
+                                        const cv::Mat& small_bgr, const std::vector<DepthAnchor>& points,
+                                        const cv::Mat& fitted) {
   constexpr float kFoot_m = 0.15F;
   constexpr float kHighest_m = 0.6F;
   constexpr int kSkip = 1;           // the lowest row is half floor
@@ -134,6 +172,7 @@ std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contact
   for (int column = 0; column < rays.grid().width; ++column) {
     const FloorContact& contact = contacts[static_cast<std::size_t>(column)];
     if (contact.state != FloorContact::State::kContact) continue;
+    if (isContradicted(column, contact, points, fitted)) continue;
     const auto depth = static_cast<float>(contact.depth_m);
     const int first = contact.row - kSkip;
     for (int row = first; row >= 0; --row) {

@@ -35,12 +35,15 @@ std::vector<MetricSample> floorSamples(const cv::Mat& floor_mask, const ViewRays
 std::vector<MetricSample> goalSamples(const DepthView& view, const ViewRays& rays, const cv::Mat& inverse,
                                       double least_relative_sigma);
 
+/// Points of visual odometry. Those that several others agree with have an unseen_gate.
 std::vector<DepthAnchor> voAnchors(const DepthView& view, const ViewRays& rays, double scale_sigma);
 
 /// What stands on the floor, upright from its foot up to where its colour changes (`small_bgr`: CV_8UC3, the
-/// image on the grid).
+/// image on the grid), unless several points of visual odometry on it lie elsewhere; `fitted` (CV_32FC1
+/// [1/m]) tells what is one thing.
 std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contacts, const ViewRays& rays,
-                                        const cv::Mat& small_bgr);
+                                        const cv::Mat& small_bgr, const std::vector<DepthAnchor>& points,
+                                        const cv::Mat& fitted);
 
 /// The cue that an obstacle's distance rests on most.
 std::string mainCue(const SeenObstacle& seen, const NearestObstacle& obstacle, const DepthView& view,

@@ -1,6 +1,8 @@
 // The whole of depth, gap and nearest obstacle, with a network that gives what it is told to.
 #include "flat_view.hpp"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 
 namespace frugal_nav {
@@ -96,6 +98,71 @@ TEST_F(DepthGapLook, PointsMendTheNetworkWhereTheyLie) {
     const DepthFrame frame = gap_->look(view_);
     EXPECT_NEAR(frame.depth_m.at<float>(80, 80), 1.0F / truth.at<float>(80, 80), 0.12);
   }
+}
+
+TEST_F(DepthGapLook, PointsShowWhatTheNetworkDoesNotSee) {
+  flat_.boards = {{1.2, -0.1, 0.1, 0.5}};
+  flat_.wall_x_m = 2.6;
+  addPoints(4);
+  // Network, its floor and the colours tell of an empty room.
+  test::FlatView empty = flat_;
+  empty.boards.clear();
+  empty.floor().convertTo(told_->floor, CV_32F, 1.0 / 255.0);
+  told_->inverse_depth_pm = empty.inverseDepth();
+  view_.bgr = empty.image();
+  DepthFrame frame;
+  for (int i = 0; i < 3; ++i) {
+    view_.stamp += fromSeconds(0.1);
+    frame = gap_->look(view_);
+  }
+  ASSERT_TRUE(frame.obstacle.found);
+  EXPECT_NEAR(frame.obstacle.distance_m, 1.2, 0.06);
+  EXPECT_EQ(frame.floor.at<uchar>(90, 80), 0);
+  // The room's own points pull where the network sees no edge, but not behind the board.
+  EXPECT_LT(frame.depth_m.at<float>(80, 80), 1.25F / flat_.inverseDepth().at<float>(80, 80) + 0.01F);
+  // Beside the board the floor runs on.
+  EXPECT_EQ(frame.floor.at<uchar>(94, 40), 255);
+  EXPECT_NEAR(frame.depth_m.at<float>(60, 40), 2.6F, 0.15F);
+}
+
+TEST_F(DepthGapLook, PointsOnTheFloorKeepItFloor) {
+  addPoints(3);
+  // The network takes the floor before the board for the board's lower part.
+  test::FlatView wrong = flat_;
+  wrong.boards[0].x_m = 1.5;
+  wrong.boards[0].right_m *= 0.75;
+  wrong.boards[0].left_m *= 0.75;
+  wrong.floor().convertTo(told_->floor, CV_32F, 1.0 / 255.0);
+  view_.bgr = flat_.image();
+  DepthFrame frame;
+  for (int i = 0; i < 3; ++i) {
+    told_->inverse_depth_pm = wrong.inverseDepth();
+    view_.stamp += fromSeconds(0.1);
+    frame = gap_->look(view_);
+  }
+  ASSERT_TRUE(frame.obstacle.found);
+  EXPECT_NEAR(frame.obstacle.distance_m, 2.0, 0.12);
+}
+
+TEST_F(DepthGapLook, AFootThatThePointsContradictDoesNotCount) {
+  flat_.boards = {{2.0, -0.3, 0.3, 0.6}};
+  addPoints(4);
+  std::vector<MetricPoint>& points = view_.points;
+  points.erase(std::remove_if(points.begin(), points.end(),
+                              [](const MetricPoint& point) { return point.p_odom.z() < 0.25; }),
+               points.end());
+  // By network and floor the board stands at 1.6 m; the points on its upper half lie at 2 m.
+  test::FlatView wrong = flat_;
+  wrong.boards[0] = {1.6, -0.24, 0.24, 0.56};
+  wrong.floor().convertTo(told_->floor, CV_32F, 1.0 / 255.0);
+  view_.bgr = wrong.image();
+  DepthFrame frame;
+  for (int i = 0; i < 3; ++i) {
+    told_->inverse_depth_pm = wrong.inverseDepth();
+    view_.stamp += fromSeconds(0.1);
+    frame = gap_->look(view_);
+  }
+  EXPECT_NEAR(frame.depth_m.at<float>(60, 80), 2.0F, 0.08F);
 }
 
 TEST_F(DepthGapLook, UnscaledIsOneFactor) {

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include <frugal_nav/perception/depth_correction.hpp>
+#include <frugal_nav/perception/view_rays.hpp>
+
+namespace frugal_nav {
+
+// What points of visual odometry (see voAnchors()) tell of what stands on the floor and of the floor itself;
+// only those that several agree on count.
+
+/// How far a fitted depth may be off (logarithm) where a point lies: features at an edge often belong to what
+/// is behind it.
+constexpr double kVoGate = 0.4;
+/// The same where several points agree on something nearer: the network may not see a thing at all.
+constexpr double kUnseenGate = 1.0;
+
+/// Whether two points lie at one depth.
+bool isAsFar(const DepthAnchor& a, const DepthAnchor& b);
+
+/// What stands on the floor, and low enough for the robot: inverse depth (CV_32FC1, the grid's size) between
+/// neighbours at one depth and down to their foot; 0 elsewhere.
+cv::Mat findStanding(const std::vector<DepthAnchor>& points, const ViewRays& rays, double max_height_m);
+
+/// Tells `evidence` (see floorEvidence()) that what stands is no floor.
+void denyFloor(const cv::Mat& standing, cv::Mat& evidence);
+
+/// Tells it that points of visual odometry which lie on the floor, several agreeing, are floor.
+void confirmFloor(const std::vector<DepthAnchor>& points, const ViewRays& rays, cv::Mat& evidence);
+
+/// What stands is upright: it is as far from head to foot.
+std::vector<DepthAnchor> standingAnchors(const cv::Mat& standing);
+
+}  // namespace frugal_nav
