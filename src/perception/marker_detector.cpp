@@ -82,7 +82,7 @@ MarkerFindings MarkerDetector::detect(const cv::Mat& image) const {
     }
     MarkerCorners marker = toCorners(ids[i], quads[i]);
     if (light.empty()) light = marker_detail::linearLight(grey);
-    if (!marker_detail::fitEdges(light, impl_->cells, marker.pixels)) continue;
+    marker.has_edges = marker_detail::fitEdges(light, impl_->cells, marker.pixels);
     marker.is_clipped = marker_detail::isClipped(light, impl_->cells, marker.pixels);
     findings.markers.push_back(marker);
   }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include <frugal_nav/perception/marker_localizer.hpp>
 
@@ -15,6 +15,8 @@ using Use = MarkerSighting::Use;
 
 constexpr double kRadFromDeg = M_PI / 180.0;
 constexpr int kCornerRows = 8;  // residuals of a marker
+constexpr int kFloorRows = 3;
+constexpr int kUnknowns = 6;
 
 /// Covariance of (x, y, yaw) from that of (dt, dr). With c the first column of R, dc = dr x c, and
 /// yaw = atan2(c_y, c_x): d yaw = dr_z - c_z (c_x dr_x + c_y dr_y) / (c_x^2 + c_y^2).
@@ -111,8 +113,7 @@ MarkerFix MarkerLocalizer::locate(const std::vector<MarkerCorners>& markers,
       sum_px += errors_px.back();
     }
     fix.map_from_base = toPose2(best.map_from_base);
-    fix.covariance =
-        planarCovariance(best.map_from_base, best.residuals.information.ldlt().solve(Matrix6d::Identity()));
+    fix.covariance = planarCovariance(best.map_from_base, covarianceOf(fix.sightings, best));
     fix.image_error_px = sum_px / used;
     fix.alternative.reset();
     if (candidates.size() > 1) fix.alternative = toPose2(candidates[1].map_from_base);
@@ -158,34 +159,44 @@ std::vector<MarkerSighting> MarkerLocalizer::inspect(const std::vector<MarkerCor
   return sightings;
 }
 
+/// What the corners of a marker say against a pose of the robot.
+void MarkerLocalizer::addMarker(const MarkerSighting& sighting, const Eigen::Isometry3d& map_from_base,
+                                Residuals& residuals) const {
+  const Eigen::Isometry3d optical_from_base = base_from_optical_.inverse();
+  const Eigen::Matrix3d base_from_map = map_from_base.linear().transpose();
+  const MappedMarker& marker = map_.markers.at(sighting.corners.id);
+  const auto points = marker.corners();
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3d offset = marker.map_from_marker * points[i] - map_from_base.translation();
+    PointJacobian jacobian;
+    jacobian << -base_from_map, base_from_map * marker_detail::crossMatrix(offset);
+    jacobian = optical_from_base.linear() * jacobian;
+    marker_detail::addCorner(estimator_.camera(), optical_from_base * (base_from_map * offset), jacobian,
+                             sighting.corners.pixels[i], params_.pose.sigmaOf_px(sighting.corners),
+                             residuals);
+  }
+}
+
+/// The floor: height, and the horizontal part of the robot's upward axis, which turns by dr x up.
+void MarkerLocalizer::addFloor(const Eigen::Isometry3d& map_from_base, Residuals& residuals) const {
+  const Eigen::Vector3d up = map_from_base.linear().col(2);
+  Eigen::Matrix<double, kFloorRows, kUnknowns> by_motion;
+  by_motion.setZero();
+  by_motion(0, 2) = 1.0 / params_.height_sigma_m;
+  by_motion.bottomRightCorner<2, 3>() =
+      -marker_detail::crossMatrix(up).topRows<2>() / (params_.tilt_sigma_deg * kRadFromDeg);
+  residuals.add<kFloorRows>(floorResidual(map_from_base), by_motion);
+}
+
 /// The distinct minima, the least cost first.
 std::vector<MarkerLocalizer::Candidate> MarkerLocalizer::fitAll(
     const std::vector<MarkerSighting>& sightings) const {
-  const Eigen::Isometry3d optical_from_base = base_from_optical_.inverse();
-  const double tilt_sigma = params_.tilt_sigma_deg * kRadFromDeg;
   const auto evaluate = [&](const Eigen::Isometry3d& map_from_base) {
     Residuals residuals;
-    const Eigen::Matrix3d base_from_map = map_from_base.linear().transpose();
     for (const MarkerSighting& sighting : sightings) {
-      if (sighting.use != Use::kUsed) continue;
-      const MappedMarker& marker = map_.markers.at(sighting.corners.id);
-      const auto points = marker.corners();
-      for (std::size_t i = 0; i < 4; ++i) {
-        const Eigen::Vector3d offset = marker.map_from_marker * points[i] - map_from_base.translation();
-        PointJacobian jacobian;
-        jacobian << -base_from_map, base_from_map * marker_detail::crossMatrix(offset);
-        jacobian = optical_from_base.linear() * jacobian;
-        marker_detail::addCorner(estimator_.camera(), optical_from_base * (base_from_map * offset), jacobian,
-                                 sighting.corners.pixels[i], params_.pose.sigmaOf_px(sighting.corners),
-                                 residuals);
-      }
+      if (sighting.use == Use::kUsed) addMarker(sighting, map_from_base, residuals);
     }
-    // The floor: height, and the horizontal part of the robot's upward axis, which turns by dr x up.
-    const Eigen::Vector3d up = map_from_base.linear().col(2);
-    Eigen::Matrix<double, 3, 6> floor_by_motion = Eigen::Matrix<double, 3, 6>::Zero();
-    floor_by_motion(0, 2) = 1.0 / params_.height_sigma_m;
-    floor_by_motion.bottomRightCorner<2, 3>() = -marker_detail::crossMatrix(up).topRows<2>() / tilt_sigma;
-    residuals.add<3>(floorResidual(map_from_base), floor_by_motion);
+    addFloor(map_from_base, residuals);
     return residuals;
   };
   std::vector<Candidate> candidates;
@@ -193,7 +204,7 @@ std::vector<MarkerLocalizer::Candidate> MarkerLocalizer::fitAll(
     if (sighting.use != Use::kUsed) continue;
     for (const MarkerSolution& solution : sighting.pose.solutions) {
       const Eigen::Isometry3d start = map_.markers.at(sighting.corners.id).map_from_marker *
-                                      solution.camera_from_marker.inverse() * optical_from_base;
+                                      solution.camera_from_marker.inverse() * base_from_optical_.inverse();
       const auto fit = marker_detail::fitPose(start, evaluate);
       const auto isSame = [&fit](const Candidate& other) {
         return Eigen::AngleAxisd(fit.pose.linear().transpose() * other.map_from_base.linear()).angle() <
@@ -208,26 +219,58 @@ std::vector<MarkerLocalizer::Candidate> MarkerLocalizer::fitAll(
   return candidates;
 }
 
-/// Whether the second place is as good as the first. For one marker it is the rule of MarkerPoseParams::
-/// flip_ratio; the difference it takes does not grow with the markers, as their evidence adds up.
+/// Covariance of (dt, dr) by the corners' noise, which is at least what they show against the fit, and by the
+/// places of the markers in the map. A marker that hangs turned by dr and shifted by dm about its centre c
+/// moves the robot at b as its corners weigh in the fit: by (dm + dr x (b - c), dr).
+Matrix6d MarkerLocalizer::covarianceOf(const std::vector<MarkerSighting>& sightings,
+                                       const Candidate& best) const {
+  const Matrix6d by_noise = best.residuals.information.ldlt().solve(Matrix6d::Identity());
+  Eigen::Matrix<double, kUnknowns, 1> variances;
+  variances << Eigen::Vector3d::Constant(std::pow(params_.map_sigma_m, 2)),
+      Eigen::Vector3d::Constant(std::pow(params_.map_sigma_deg * kRadFromDeg, 2));
+  Matrix6d by_map = Matrix6d::Zero();
+  int freedom = kFloorRows - kUnknowns;
+  for (const MarkerSighting& sighting : sightings) {
+    if (sighting.use != Use::kUsed) continue;
+    freedom += kCornerRows;
+    Residuals own;
+    addMarker(sighting, best.map_from_base, own);
+    const Eigen::Vector3d offset =
+        best.map_from_base.translation() - map_.markers.at(sighting.corners.id).map_from_marker.translation();
+    Matrix6d by_place = Matrix6d::Identity();
+    by_place.topRightCorner<3, 3>() = -marker_detail::crossMatrix(offset);
+    const Matrix6d gain = by_noise * own.information * by_place;
+    by_map += gain * variances.asDiagonal() * gain.transpose();
+  }
+  return std::max(1.0, best.residuals.cost / freedom) * by_noise + by_map;
+}
+
+/// Whether another place is as good as the first; it becomes the second. For one marker it is the rule of
+/// MarkerPoseParams::flip_ratio; the difference it takes does not grow with the markers, as their evidence
+/// adds up.
 MarkerFix::Status MarkerLocalizer::choose(const std::optional<Pose2>& predicted, int markers_used,
                                           std::vector<Candidate>& candidates) const {
-  if (candidates.size() < 2) return MarkerFix::Status::kGood;
   const MarkerPoseParams& limits = params_.pose;
   Candidate& first = candidates[0];
+  const double first_yaw = toPose2(first.map_from_base).yaw_rad;
+  const auto yawApart = [first_yaw](const Candidate& other) {
+    return std::abs(angleBetween(first_yaw, toPose2(other.map_from_base).yaw_rad));
+  };
+  const auto other = std::find_if(candidates.begin() + 1, candidates.end(), [&](const Candidate& candidate) {
+    return yawApart(candidate) > limits.same_pose_deg * kRadFromDeg;
+  });
+  if (other == candidates.end()) return MarkerFix::Status::kGood;
   Candidate& second = candidates[1];
+  std::swap(second, *other);
   const double scale = std::max(1.0, first.residuals.cost / (kCornerRows * markers_used));
   const double decisive = kCornerRows * (limits.flip_ratio * limits.flip_ratio - 1.0);
   if ((second.residuals.cost - first.residuals.cost) / scale >= decisive) return MarkerFix::Status::kGood;
-  const double first_yaw = toPose2(first.map_from_base).yaw_rad;
-  const double second_yaw = toPose2(second.map_from_base).yaw_rad;
-  const double apart = std::abs(angleBetween(first_yaw, second_yaw));
-  if (apart <= limits.same_pose_deg * kRadFromDeg) return MarkerFix::Status::kGood;
   if (!predicted) return MarkerFix::Status::kAmbiguous;
+  const double second_yaw = toPose2(second.map_from_base).yaw_rad;
   const double first_off = std::abs(angleBetween(predicted->yaw_rad, first_yaw));
   const double second_off = std::abs(angleBetween(predicted->yaw_rad, second_yaw));
   if (std::min(first_off, second_off) > limits.max_prediction_error_deg * kRadFromDeg ||
-      std::abs(first_off - second_off) < 0.5 * apart)
+      std::abs(first_off - second_off) < 0.5 * yawApart(second))
     return MarkerFix::Status::kAmbiguous;
   if (second_off < first_off) std::swap(first, second);
   return MarkerFix::Status::kGood;

@@ -91,7 +91,7 @@ class MapReader {
     int value = 0;
     if (!node || !YAML::convert<int>::decode(node, value)) {
       fault(key, "must be a whole number");
-    } else if (value < 0 || value >= id_count_) {
+    } else if (id_count_ > 0 && (value < 0 || value >= id_count_)) {  // 0: the dictionary is the fault
       fault(key, "= " + std::to_string(value) + " is not in " + map_.dictionary + ", which has 0 to " +
                      std::to_string(id_count_ - 1));
     } else {

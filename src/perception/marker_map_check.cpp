@@ -4,11 +4,11 @@
 #include <cstdio>
 
 #include <frugal_nav/perception/marker_map_check.hpp>
+#include <frugal_nav/perception/marker_sheet.hpp>
 
 namespace frugal_nav {
 namespace {
 
-constexpr double kBorderShare = 0.17;       // of the side: the white that a marker needs around it
 constexpr double kSamePlane_m = 0.03;       // markers nearer than that cover each other
 constexpr double kFarthestApart_m = 200.0;  // farther than indoor places reach
 
@@ -35,7 +35,7 @@ bool parts(const Square& a, const Square& b) {
 
 Square withBorder(const MappedMarker& marker, const Eigen::Isometry3d& plane_from_marker) {
   Square square;
-  const auto corners = markerCorners(marker.size_m * (1.0 + 2.0 * kBorderShare));
+  const auto corners = markerCorners(marker.size_m * (1.0 + 2.0 * kMarkerBorderShare));
   for (std::size_t i = 0; i < 4; ++i) square[i] = (plane_from_marker * corners[i]).head<2>();
   return square;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <opencv2/calib3d.hpp>
 
@@ -133,6 +132,8 @@ const char* toText(MarkerPose::Status status) {
       return "good";
     case MarkerPose::Status::kNoSolution:
       return "its corners are no square seen by this camera";
+    case MarkerPose::Status::kNoEdges:
+      return "its edges cannot be made out";
     case MarkerPose::Status::kTooSmall:
       return "too small in the image";
     case MarkerPose::Status::kTooNear:
@@ -160,6 +161,10 @@ MarkerPose MarkerPoseEstimator::estimate(const MarkerCorners& corners, double si
                                          const std::optional<Eigen::Isometry3d>& predicted) const {
   MarkerPose pose;
   pose.id = corners.id;
+  if (!corners.has_edges) {
+    pose.status = MarkerPose::Status::kNoEdges;
+    return pose;
+  }
   const std::vector<cv::Point2d> flat = flatCorners(camera_, corners);
   if (flat.empty() || !(size_m > 0.0)) return pose;
   const auto evaluate = [&](const Eigen::Isometry3d& camera_from_marker) {

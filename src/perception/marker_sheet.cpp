@@ -9,7 +9,6 @@
 namespace frugal_nav {
 namespace {
 
-constexpr double kBorderShare = 0.17;      // of the side: with less than 0.12 OpenCV hardly finds the marker
 constexpr double kPrinterMargin_mm = 5.0;  // which printers leave white anyway, so that it counts as border
 constexpr double kFooter_mm = 22.0;        // height of text and ruler, below the border
 constexpr double kRuler_mm = 50.0;
@@ -60,7 +59,7 @@ void drawFooter(const std::string& text, const PaperSize& paper, double top_mm, 
 std::string markerSheet(const MarkerDictionary& dictionary, int id, double size_m, const PaperSize& paper) {
   requireId(dictionary, id);
   const double side_mm = 1000.0 * size_m;
-  const double border_mm = kBorderShare * side_mm;
+  const double border_mm = kMarkerBorderShare * side_mm;
   const double needed_width_mm = side_mm + 2.0 * border_mm;
   if (!(side_mm > 0.0) || needed_width_mm > paper.width_mm ||
       needed_width_mm + kFooter_mm + kPrinterMargin_mm > paper.height_mm) {

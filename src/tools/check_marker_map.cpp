@@ -1,5 +1,6 @@
 // Looks through a map of markers before a robot relies on it.
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -25,7 +26,7 @@ constexpr const char* kUsage =
 bool readNumber(const std::string& text, double& value) {
   char* end = nullptr;
   value = std::strtod(text.c_str(), &end);
-  return end != text.c_str() && *end == '\0';
+  return end != text.c_str() && *end == '\0' && std::isfinite(value);
 }
 
 bool parse(const std::vector<std::string>& arguments, std::string& path, MarkerMapLimits& limits) {
@@ -65,6 +66,10 @@ int check(const std::string& path, const MarkerMapLimits& limits) {
 
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (!arguments.empty() && arguments[0] == "--help") {
+    std::fputs(frugal_nav::kUsage, stdout);
+    return 0;
+  }
   std::string path;
   frugal_nav::MarkerMapLimits limits;
   if (!frugal_nav::parse(arguments, path, limits)) {

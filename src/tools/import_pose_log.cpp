@@ -160,7 +160,7 @@ int main(int argc, char** argv) {
     return frugal_nav::import(frugal_nav::parse(arguments));
   } catch (const frugal_nav::ConfigError& error) {
     std::cerr << "import_pose_log: " << error.what() << "\n" << frugal_nav::kUsage;
-  } catch (const rosbag::BagException& error) {
+  } catch (const std::exception& error) {
     std::cerr << "import_pose_log: " << error.what() << "\n";
   }
   return 2;

@@ -53,6 +53,7 @@ struct MarkerCorners {
   int id = -1;
   std::array<Eigen::Vector2d, 4> pixels;  ///< the centre of the image's first pixel is (0, 0)
   bool is_clipped = false;                ///< the white around it is overexposed: it spreads over the black
+  bool has_edges = true;                  ///< or its corners are those of the search, good to a pixel or two
 };
 
 /// What an image shows.
@@ -72,8 +73,7 @@ class MarkerDetector {
   MarkerDetector(MarkerDetector&&) noexcept;
   MarkerDetector& operator=(MarkerDetector&&) noexcept;
 
-  /// Searches an 8-bit image, grey or BGR, in sRGB as cameras give it. A marker whose edges are not found is
-  /// not given out.
+  /// Searches an 8-bit image, grey or BGR, in sRGB as cameras give it.
   MarkerFindings detect(const cv::Mat& image) const;
 
  private:

@@ -13,13 +13,18 @@
 #include <frugal_nav/perception/marker_pose.hpp>
 
 namespace frugal_nav {
+namespace marker_detail {
+struct Residuals;
+}
 
-/// How far the robot is believed to stand flat on the floor.
+/// How far the robot is believed to stand flat on the floor, and the markers where the map says.
 struct MarkerLocalizerParams {
   MarkerPoseParams pose;
   double height_sigma_m = 0.02;
   double tilt_sigma_deg = 1.0;
   double max_floor_sigmas = 4.0;
+  double map_sigma_m = 0.0;
+  double map_sigma_deg = 0.0;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -36,6 +41,12 @@ struct MarkerLocalizerParams {
         Field{"",
               "a fix farther off the floor, in those deviations, is refused: wrong size or place of a marker",
               1.0, 100.0});
+    visit("map_sigma_m", map_sigma_m,
+          Field{"m",
+                "standard deviation of a marker's place in the map, each way: 0.01 by tape measure, 0 of a "
+                "drawing",
+                0.0, 1.0});
+    visit("map_sigma_deg", map_sigma_deg, Field{"deg", "the same of its angles: 0.5 by eye", 0.0, 10.0});
   }
 };
 
@@ -100,6 +111,10 @@ class MarkerLocalizer {
   std::vector<MarkerSighting> inspect(const std::vector<MarkerCorners>& markers,
                                       const std::optional<Pose2>& predicted) const;
   std::vector<Candidate> fitAll(const std::vector<MarkerSighting>& sightings) const;
+  void addMarker(const MarkerSighting& sighting, const Eigen::Isometry3d& map_from_base,
+                 marker_detail::Residuals& residuals) const;
+  void addFloor(const Eigen::Isometry3d& map_from_base, marker_detail::Residuals& residuals) const;
+  Matrix6d covarianceOf(const std::vector<MarkerSighting>& sightings, const Candidate& best) const;
   double imageError(const MarkerSighting& sighting, const Eigen::Isometry3d& map_from_base) const;
   MarkerFix::Status choose(const std::optional<Pose2>& predicted, int markers_used,
                            std::vector<Candidate>& candidates) const;

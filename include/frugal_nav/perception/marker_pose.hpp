@@ -76,6 +76,7 @@ struct MarkerPose {
   enum class Status {
     kGood,
     kNoSolution,  ///< the corners are no square seen through this lens
+    kNoEdges,     ///< the corners are too rough
     kTooSmall,    ///< in the image
     kTooNear,     ///< range
     kTooFar,      ///< range

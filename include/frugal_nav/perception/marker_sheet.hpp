@@ -8,6 +8,9 @@
 
 namespace frugal_nav {
 
+/// White that a marker needs around it, in shares of its side: with less than 0.12 OpenCV hardly finds it.
+constexpr double kMarkerBorderShare = 0.17;
+
 /// A paper's size.
 struct PaperSize {
   double width_mm = 210.0;

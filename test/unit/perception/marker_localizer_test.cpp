@@ -95,6 +95,47 @@ TEST(MarkerLocalizer, CovarianceIsThatOfTheCornersNoise) {
   EXPECT_LT(correlation, -0.8);
 }
 
+// The same with every marker hung 1 cm and half a degree off, each way, and no noise: the map's share alone.
+TEST(MarkerLocalizer, CovarianceIsThatOfTheMapsErrorsToo) {
+  Random random(500029);
+  MarkerLocalizerParams params;
+  params.height_sigma_m = 5.0;
+  params.tilt_sigma_deg = 60.0;
+  params.map_sigma_m = 0.01;
+  params.map_sigma_deg = 0.5;
+  params.pose.corner_sigma_px = 0.02;
+  params.pose.max_image_error_px = 20.0;
+  const double sigma_rad = 0.5 * M_PI / 180.0;
+  const Pose2 truth{1.5, 0.2, -0.05};
+  const MarkerLocalizer localize = localizer(only({0}), params);
+  constexpr int kTrials = 400;
+  double sum = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    MarkerMap hung = only({0});
+    Eigen::Isometry3d& pose = hung.markers.at(0).map_from_marker;
+    const Eigen::Vector3d turn(random.normal(sigma_rad), random.normal(sigma_rad), random.normal(sigma_rad));
+    pose.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * pose.linear();
+    pose.translation() += Eigen::Vector3d(random.normal(0.01), random.normal(0.01), random.normal(0.01));
+    const MarkerFix fix = localize.locate(seen(hung, test::bentCamera(), truth, 0.0, random), truth);
+    ASSERT_TRUE(fix.isGood()) << toText(fix.status);
+    const Eigen::Vector3d error = difference(fix.map_from_base, truth);
+    sum += error.dot(fix.covariance.ldlt().solve(error));
+  }
+  EXPECT_NEAR(sum / kTrials, 3.0, 0.5);
+}
+
+TEST(MarkerLocalizer, CornersThatFitBadlyTellLess) {
+  Random random(500030);
+  const Pose2 truth{1.5, 0.2, -0.05};
+  const MarkerFix sharp =
+      localizer(wallMap()).locate(seen(wallMap(), test::bentCamera(), truth, 0.1, random));
+  const MarkerFix rough =
+      localizer(wallMap()).locate(seen(wallMap(), test::bentCamera(), truth, 0.9, random));
+  ASSERT_TRUE(sharp.isGood() && rough.isGood());
+  // Three times the expected noise of 0.3 px: nine times the variance, less what the map's places add.
+  EXPECT_GT(rough.covariance(2, 2), 4.0 * sharp.covariance(2, 2));
+}
+
 TEST(MarkerLocalizer, SeveralMarkersTellMoreThanOne) {
   Random random(500023);
   const Pose2 truth{1.5, 0.0, 0.0};
@@ -112,6 +153,7 @@ TEST(MarkerLocalizer, SeveralMarkersTellMoreThanOne) {
 TEST(MarkerLocalizer, NeverTakesAFlipForTheRobot) {
   Random random(500024);
   int undecided = 0;
+  int settled = 0;
   for (int trial = 0; trial < 200; ++trial) {
     const Pose2 truth{random.uniform(0.0, 1.5), random.uniform(-1.0, 1.0), 0.0};
     const Pose2 ahead{truth.x_m, truth.y_m, std::atan2(0.1 - truth.y_m, 4.0 - truth.x_m)};
@@ -130,10 +172,12 @@ TEST(MarkerLocalizer, NeverTakesAFlipForTheRobot) {
     const Pose2 odometry{ahead.x_m + 0.1, ahead.y_m - 0.1, ahead.yaw_rad + 0.05};
     const MarkerFix told = localize.locate(corners, odometry);
     if (told.isGood()) {
+      ++settled;
       EXPECT_LT(yawError(told), 0.5) << "trial " << trial;
     }
   }
   EXPECT_GT(undecided, 30);
+  EXPECT_GT(settled, undecided / 2);
   for (int trial = 0; trial < 50; ++trial) {
     const Pose2 truth{random.uniform(0.5, 1.2), random.uniform(-0.3, 0.3), 0.0};
     const MarkerFix fix =

@@ -83,6 +83,7 @@ TEST(MarkerPose, NeverFlipsUnawares) {
   const MarkerPoseEstimator estimator(MarkerPoseParams(), straightCamera());
   int undecided = 0;
   int decided = 0;
+  int settled = 0;
   for (int trial = 0; trial < 500; ++trial) {
     const double side = random.chance(0.5) ? 1.0 : -1.0;
     const Eigen::Isometry3d truth =
@@ -97,6 +98,7 @@ TEST(MarkerPose, NeverFlipsUnawares) {
       const MarkerPose told = estimator.estimate(corners, kSize_m, predicted);
       // A solution far from the prediction because of noise stays undecided.
       if (told.isGood()) {
+        ++settled;
         EXPECT_LT(angleApart(told.solutions[0].camera_from_marker, truth), 0.6) << "trial " << trial;
       }
     } else if (alone.isGood()) {
@@ -105,6 +107,7 @@ TEST(MarkerPose, NeverFlipsUnawares) {
     }
   }
   EXPECT_GT(undecided, 50);
+  EXPECT_GT(settled, undecided / 2);
   EXPECT_GT(decided, 50);
 }
 
@@ -167,6 +170,10 @@ TEST(MarkerPose, RefusesWithTheReason) {
   MarkerCorners bad = seenCorners(camera, facingCamera({0.0, 0.0, 1.0}, 0.6), 0.0, random);
   bad.pixels[1].x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(estimator.estimate(bad, kSize_m).status, Status::kNoSolution);
+
+  MarkerCorners rough = seenCorners(camera, facingCamera({0.0, 0.0, 1.0}, 0.6), 0.0, random);
+  rough.has_edges = false;
+  EXPECT_EQ(estimator.estimate(rough, kSize_m).status, Status::kNoEdges);
 
   MarkerCorners line;
   for (std::size_t i = 0; i < 4; ++i)
