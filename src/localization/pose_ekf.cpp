@@ -9,7 +9,7 @@
 namespace frugal_nav {
 namespace {
 
-/// Longest step of the linearised covariance; a gap is crossed in at most kMaxSteps all the same.
+/// Longest step of the linearised covariance; a gap is crossed in about kMaxSteps all the same.
 constexpr double kLongestStep_s = 0.1;
 constexpr int kMaxSteps = 100;
 
@@ -36,6 +36,14 @@ bool correct(const Eigen::Matrix<double, kRows, 1>& innovation,
 }
 
 double square(double x) { return x * x; }
+
+Pose2 believedPose(const EkfState& state) {
+  return {state.mean[kEkfX], state.mean[kEkfY], state.mean[kEkfYaw]};
+}
+
+Eigen::Vector3d difference(const Pose2& from, const Pose2& to) {
+  return {to.x_m - from.x_m, to.y_m - from.y_m, angleBetween(from.yaw_rad, to.yaw_rad)};
+}
 
 /// Moves on by what an input that was held told too little or too much: its noise is in the step already.
 void makeUp(const EkfMotion& motion, EkfState& state) {
@@ -125,7 +133,8 @@ EkfState PoseEkf::initial(Stamp stamp) const {
 }
 
 EkfState PoseEkf::predicted(EkfState state, Stamp stamp) const {
-  while (state.stamp < stamp) state = stepped(state, stepLength(state, stamp));
+  const Duration longest = std::max(fromSeconds(kLongestStep_s), (stamp - state.stamp) / kMaxSteps);
+  while (state.stamp < stamp) state = stepped(state, stepLength(state, stamp, longest));
   return state;
 }
 
@@ -140,12 +149,9 @@ EkfState PoseEkf::withTwist(EkfState state, Stamp stamp, const Twist2& twist) co
     const double turn = hasGyro(state) ? 0.0 : (twist.w_radps - held.w_radps) * since_s;
     makeUp({(twist.v_mps - held.v_mps) * since_s, turn, false}, state);
   }
+  if (!still || !hasTwist(state)) state.still_since.reset();
+  if (still && !state.still_since) state.still_since = stamp;
   state.twist = HeldInput<Twist2>{stamp, twist};
-  if (!still) {
-    state.still_since.reset();
-  } else if (!state.still_since) {
-    state.still_since = stamp;
-  }
   return state;
 }
 
@@ -172,17 +178,39 @@ PoseEkf::Corrected PoseEkf::withPose(EkfState state, Stamp stamp, const PoseFix&
     result.state = relocated(result.state, fix);
     return result;
   }
-  const Pose2& measured = fix.map_from_base;
-  Eigen::Vector3d innovation(measured.x_m, measured.y_m, measured.yaw_rad);
-  innovation -= result.state.mean.head<3>();
-  innovation[2] = wrapAngle(innovation[2]);
+  const Eigen::Vector3d innovation = difference(believedPose(result.state), fix.map_from_base);
   Eigen::Matrix<double, 3, kEkfSize> by_state = Eigen::Matrix<double, 3, kEkfSize>::Identity();
   result.used = correct<3>(innovation, by_state, fix.covariance, pose_gate_, result.state);
-  result.state.gated_in_row = result.used ? 0 : result.state.gated_in_row + 1;
-  if (params_.restart_after_gated > 0 && result.state.gated_in_row >= params_.restart_after_gated) {
+  if (result.used) {
+    result.state.gated.reset();
+    return result;
+  }
+  noteGated(fix, result.state);
+  const GatedRow& row = *result.state.gated;
+  if (params_.restart_after_gated > 0 && row.count >= params_.restart_after_gated &&
+      stamp - row.since >= fromSeconds(params_.restart_after_s)) {
     result = {relocated(result.state, fix), true, true};
   }
   return result;
+}
+
+/// A refused pose goes on the row when it lies where the motion since then leads from the row's first.
+void PoseEkf::noteGated(const PoseFix& fix, EkfState& state) const {
+  constexpr double kAgreement = 0.1;  // m, rad: what one marker's place in the map may differ from another's
+  const Pose2 believed = believedPose(state);
+  const Eigen::Matrix3d covariance = state.covariance.topLeftCorner<3, 3>();
+  if (state.gated) {
+    const GatedRow& row = *state.gated;
+    const Eigen::Vector3d off = difference(row.refused_from_believed * believed, fix.map_from_base);
+    Eigen::Matrix3d spread = row.covariance + fix.covariance;
+    spread.diagonal() += (covariance - row.believed).diagonal().cwiseMax(0.0);  // the motion's since then
+    spread.diagonal().array() += square(kAgreement);
+    if (off.dot(spread.llt().solve(off)) > pose_gate_) state.gated.reset();
+  }
+  if (!state.gated)
+    state.gated =
+        GatedRow{0, state.stamp, fix.map_from_base * believed.inverse(), fix.covariance, covariance};
+  ++state.gated->count;
 }
 
 PoseEkf::Corrected PoseEkf::withSighting(EkfState state, Stamp stamp,
@@ -204,7 +232,7 @@ EkfState PoseEkf::relocated(EkfState state, const PoseFix& fix) {
   state.covariance.leftCols<3>().setZero();
   state.covariance.topLeftCorner<3, 3>() = fix.covariance;
   state.has_fix = true;
-  state.gated_in_row = 0;
+  state.gated.reset();
   return state;
 }
 
@@ -235,9 +263,8 @@ double PoseEkf::heldFor_s(const std::optional<HeldInput<Value>>& input, Stamp st
   return is_believed ? toSeconds(stamp - input->stamp) : 0.0;
 }
 
-Duration PoseEkf::stepLength(const EkfState& state, Stamp stamp) const {
-  const Duration left = stamp - state.stamp;
-  Duration step = std::min(left, std::max(fromSeconds(kLongestStep_s), left / kMaxSteps));
+Duration PoseEkf::stepLength(const EkfState& state, Stamp stamp, Duration longest) const {
+  Duration step = std::min(stamp - state.stamp, longest);
   // A step ends where an input ceases to be believed.
   const Duration timeout = fromSeconds(params_.input_timeout_s);
   if (hasTwist(state)) step = std::min(step, state.twist->stamp + timeout - state.stamp);
@@ -262,7 +289,11 @@ EkfState PoseEkf::stepped(EkfState state, Duration duration) const {
   if (!turns) step.by_state.setIdentity();
 
   EkfMatrix covariance = step.by_state * state.covariance * step.by_state.transpose();
-  if (!still) addNoise(state, step, duration_s, covariance);
+  if (still) {
+    covariance.diagonal().head<3>().array() += square(params_.still_noise) * duration_s;
+  } else {
+    addNoise(state, step, duration_s, covariance);
+  }
   covariance(kEkfGyroBias, kEkfGyroBias) += square(params_.gyro_bias_walk) * duration_s;
   if (params_.estimate_scale) covariance(kEkfScale, kEkfScale) += square(params_.scale_walk) * duration_s;
   if (params_.estimate_rate_bias)

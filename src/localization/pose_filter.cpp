@@ -184,10 +184,11 @@ FilterStatus PoseFilter::insert(Record record) {
   if (place != history_.end()) ++counts_.late;
   place = history_.insert(place, std::move(record));
   for (auto it = place; it != history_.end(); ++it) {
+    const bool had_restarted = it->restarted;
     apply(*it, it == history_.begin() ? ekf_.initial(it->stamp) : std::prev(it)->after);
+    if (it->restarted && !had_restarted) ++counts_.restarts;
   }
   const FilterStatus status = place->status;
-  if (place->restarted) ++counts_.restarts;
   forgetOld();
   return status;
 }

@@ -27,6 +27,15 @@ struct HeldInput {
   Value value{};
 };
 
+/// Poses refused since the last one used, which agree with each other.
+struct GatedRow {
+  int count = 0;
+  Stamp since{};
+  Pose2 refused_from_believed;  ///< of the first: from the pose it was refused for to its own, in the map
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the first
+  Eigen::Matrix3d believed = Eigen::Matrix3d::Zero();    ///< the state's then
+};
+
 /// The filter at one instant: (x, y, yaw) of the base in the map, gyro bias [rad/s], true over told speed,
 /// and the offset of the twist's yaw rate [rad/s].
 struct EkfState {
@@ -34,7 +43,7 @@ struct EkfState {
   EkfVector mean = EkfVector::Zero();
   EkfMatrix covariance = EkfMatrix::Zero();
   bool has_fix = false;  ///< before, the pose means nothing; the biases do
-  int gated_in_row = 0;  ///< poses refused since the last one used
+  std::optional<GatedRow> gated;
   std::optional<HeldInput<Twist2>> twist;
   std::optional<HeldInput<double>> gyro_radps;
   std::optional<Stamp> still_since;  ///< of the wheels
@@ -103,7 +112,7 @@ class PoseEkf {
   struct Corrected {
     EkfState state;
     bool used = false;
-    bool restarted = false;  ///< too many were refused in a row: the pose is the measured one
+    bool restarted = false;  ///< too many that agree were refused: the pose is the measured one
   };
   Corrected withPose(EkfState state, Stamp stamp, const PoseFix& fix) const;
   Corrected withSighting(EkfState state, Stamp stamp, const LandmarkSighting& sighting) const;
@@ -120,7 +129,8 @@ class PoseEkf {
   bool isStill(const EkfState& state) const;
   template <class Value>
   double heldFor_s(const std::optional<HeldInput<Value>>& input, Stamp stamp) const;
-  Duration stepLength(const EkfState& state, Stamp stamp) const;
+  void noteGated(const PoseFix& fix, EkfState& state) const;
+  Duration stepLength(const EkfState& state, Stamp stamp, Duration longest) const;
   EkfState stepped(EkfState state, Duration step) const;
   void addNoise(const EkfState& before, const EkfStep& step, double duration_s, EkfMatrix& covariance) const;
 

@@ -218,6 +218,16 @@ TEST(PoseEkf, IsConsistentOnDrives) {
   }
 }
 
+TEST(PoseEkf, ALongGapIsCrossedInAHundredStepsOrSo) {
+  const PoseEkf ekf{PoseFilterParams{}};
+  PoseFix fix;
+  fix.covariance.diagonal().setConstant(1e-4);
+  const EkfState state = ekf.withPose(ekf.initial(Stamp{}), Stamp{}, fix).state;
+  // Steps of 0.1 s would be six hundred million.
+  const EkfState after = ekf.predicted(state, Stamp{} + std::chrono::hours(24 * 365 * 2));
+  EXPECT_TRUE(after.covariance.allFinite());
+}
+
 TEST(PoseEkf, RepeatedUpdatesKeepTheCovariancePositive) {
   const PoseEkf ekf{PoseFilterParams{}};
   PoseFix fix;
