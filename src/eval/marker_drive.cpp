@@ -125,7 +125,7 @@ class MarkerDrive {
     command(stack_.addTicks(ticks.stamp, ticks.left, ticks.right));
     const Odometry& odometry = stack_.odometry();
     if (odometry.stamp != ticks.stamp) return;
-    map_pose_ = ours_.addOdometry(odometry, ticks.stamp);
+    map_pose_ = ours_.addOdometry(odometry, ticks.stamp).pose;
     if (map_pose_ && tour_start_s_) stack_.moveGoal(goal());
     delayed_.filter.addOdometry(odometry, ticks.stamp);
   }

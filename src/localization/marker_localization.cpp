@@ -41,7 +41,7 @@ Twist2 meanTwist(const Odometry& from, const Odometry& to) {
 }
 
 std::string inWords(const LocalizationStatus& status) {
-  if (status.state == State::kNoFix) return "no fix yet: no marker of the map has been seen";
+  if (status.state == State::kNoFix) return "no fix yet: no marker of the map has been used";
   std::string text = "markers in view";
   if (status.state != State::kMarkers) {
     char since[80];
@@ -92,17 +92,20 @@ MarkerLocalization::MarkerLocalization(const MarkerLocalizationParams& params, c
   validate(params_, "marker localization");
 }
 
-std::optional<MapPose> MarkerLocalization::addOdometry(const Odometry& odometry, Stamp received) {
-  if (!odometry.odom_from_base.isFinite()) return std::nullopt;
+OdometryResult MarkerLocalization::addOdometry(const Odometry& odometry, Stamp received) {
+  OdometryResult result;
+  if (!odometry.odom_from_base.isFinite()) return {FilterStatus::kNotFinite, {}};
   if (params_.filter.twist_source == "encoders") {
-    const FilterStatus status = filter_.addEncoders(odometry.stamp, twistOf(odometry), received);
+    result.filter = filter_.addEncoders(odometry.stamp, twistOf(odometry), received);
     noticeJump();
-    if (status == FilterStatus::kFromFuture || status == FilterStatus::kTooOld) return std::nullopt;
+    if (result.filter == FilterStatus::kFromFuture || result.filter == FilterStatus::kTooOld) return result;
+  } else if (odometry.stamp > received + fromSeconds(params_.filter.future_tolerance_s)) {
+    return {FilterStatus::kFromFuture, {}};
   }
-  last_odometry_ = odometry;
-  const std::optional<PoseEstimate> estimate = takePose(odometry.stamp);
-  if (!estimate) return std::nullopt;
-  return MapPose{*estimate, estimate->map_from_base * odometry.odom_from_base.inverse()};
+  if (!last_odometry_ || odometry.stamp > last_odometry_->stamp) last_odometry_ = odometry;
+  if (const std::optional<PoseEstimate> estimate = takePose(odometry.stamp))
+    result.pose = MapPose{*estimate, estimate->map_from_base * odometry.odom_from_base.inverse()};
+  return result;
 }
 
 std::optional<PoseEstimate> MarkerLocalization::poseWithoutOdometry(Stamp stamp) {
@@ -117,8 +120,11 @@ Twist2 MarkerLocalization::twistOf(const Odometry& odometry) const {
   if (odometry.stamp - last_odometry_->stamp > fromSeconds(params_.filter.input_timeout_s))
     return odometry.twist;
   constexpr double kJump_mps = 1.0;
+  constexpr double kJump_radps = 3.0;
   const Twist2 mean = meanTwist(*last_odometry_, odometry);
-  return std::abs(mean.v_mps - odometry.twist.v_mps) < kJump_mps ? mean : odometry.twist;
+  const bool is_smooth = std::abs(mean.v_mps - odometry.twist.v_mps) < kJump_mps &&
+                         std::abs(mean.w_radps - odometry.twist.w_radps) < kJump_radps;
+  return is_smooth ? mean : odometry.twist;
 }
 
 FilterStatus MarkerLocalization::addCommand(Stamp stamp, const Twist2& twist, Stamp received) {
@@ -145,9 +151,7 @@ MarkerImageResult MarkerLocalization::addCorners(const MarkerCamera& taken, cons
   result.unlisted_ids = findings.unlisted_ids;
   result.fault = findings.fault.empty() ? faultOf(taken, received) : findings.fault;
   if (!result.fault.empty()) return result;
-  std::optional<Pose2> predicted;
-  if (const auto estimate = filter_.estimateAt(taken.stamp)) predicted = estimate->map_from_base;
-  result.fix = localizerFor(taken).locate(findings.markers, predicted);
+  result.fix = localizerFor(taken).locate(findings.markers, predictedAt(taken.stamp));
   if (!result.fix.isGood()) return result;
   result.filter = filter_.addPose(taken.stamp, {result.fix.map_from_base, result.fix.covariance}, received);
   noticeJump();
@@ -155,10 +159,18 @@ MarkerImageResult MarkerLocalization::addCorners(const MarkerCamera& taken, cons
   return result;
 }
 
+/// Where the robot is expected, unless its heading is too uncertain to tell a marker's two poses apart.
+std::optional<Pose2> MarkerLocalization::predictedAt(Stamp stamp) const {
+  const std::optional<PoseEstimate> estimate = filter_.estimateAt(stamp);
+  const double limit_rad = params_.localizer.pose.max_prediction_error_deg * M_PI / 180.0;
+  if (!estimate || 2.0 * std::sqrt(estimate->covariance(2, 2)) > limit_rad) return std::nullopt;
+  return estimate->map_from_base;
+}
+
 FilterStatus MarkerLocalization::setPose(Stamp stamp, const PoseFix& fix, Stamp received) {
   const FilterStatus status = filter_.setPose(stamp, fix, received);
   noticeJump();
-  if (status == FilterStatus::kUsed) last_fix_ = last_fix_ ? std::max(*last_fix_, stamp) : stamp;
+  if (status == FilterStatus::kUsed) last_set_ = last_set_ ? std::max(*last_set_, stamp) : stamp;
   return status;
 }
 
@@ -181,8 +193,9 @@ LocalizationStatus MarkerLocalization::status(Stamp now) const {
   if (const auto estimate = filter_.estimateAt(now)) {
     status.source = estimate->source;
     status.sigma_m = worstSigma(estimate->covariance);
-    status.without_markers_s = std::max(0.0, toSeconds(now - *last_fix_));
-    const bool sees = status.without_markers_s <= params_.without_markers_s;
+    // One of the two has made the estimate; an empty optional is less than any stamp.
+    status.without_markers_s = std::max(0.0, toSeconds(now - *std::max(last_fix_, last_set_)));
+    const bool sees = last_fix_ && now <= *last_fix_ + fromSeconds(params_.without_markers_s);
     const bool is_lost = status.sigma_m > params_.max_sigma_m;
     status.state = is_lost ? State::kLost : sees ? State::kMarkers : State::kWithoutMarkers;
   }
@@ -223,6 +236,7 @@ void MarkerLocalization::noticeJump() {
   last_odometry_.reset();
   last_pose_.reset();
   last_fix_.reset();
+  last_set_.reset();
 }
 
 }  // namespace frugal_nav

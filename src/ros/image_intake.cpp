@@ -36,7 +36,7 @@ ImageIntake::ImageIntake(ros::NodeHandle nh, const ImageIntakeParams& params, No
       params_(params),
       diagnostics_(diagnostics),
       callbacks_(std::move(callbacks)),
-      time_([this](Stamp) { forget(); }),
+      time_([this](Stamp) { forget(); }, callbacks_.slack),
       sensors_(params.base.base_frame),
       transport_(nh) {
   checkTransport(transport_, params_.image_transport);
@@ -86,6 +86,7 @@ void ImageIntake::onImage(const sensor_msgs::ImageConstPtr& msg) {
   frame.owner = std::move(image.owner);
   frame.fault = image.fault;
   if (frame.fault.empty() && frame.frame.empty()) frame.fault = "the image has no frame";
+  if (frame.fault.empty() && msg->header.stamp.isZero()) frame.fault = "the image has no stamp";
   if (!frame.fault.empty()) diagnostics_.input(kImage).refused(frame.fault);
   pending_.push_back(std::move(pending));
   if (pending_.size() > kMostPending && pending_.front().frame.fault.empty()) {

@@ -50,6 +50,7 @@ MarkerLocalizationNode::MarkerLocalizationNode(ros::NodeHandle nh, ros::NodeHand
   callbacks.time_jumped = [this] { forget(); };
   callbacks.silent = [this](const std::string& silence) { silence_ = silence; };
   callbacks.with_odometry = false;  // the filter knows where the robot was, without odometry too
+  callbacks.slack = fromSeconds(params_.localization.filter.history_s);  // the filter puts it in its place
   intake_ = std::make_unique<ImageIntake>(nh, params_.intake, diagnostics_, callbacks);
   observations_pub_ = nh.advertise<MarkerObservationArray>("markers", 10);
   fix_pub_ = nh.advertise<PoseMessage>("marker_pose", 10);
@@ -124,10 +125,10 @@ void MarkerLocalizationNode::onOdometry(const nav_msgs::Odometry& msg) {
                                        params_.intake.base.odom_frame + "\"");
     return;
   }
+  if (!isStamped("odom", msg.header)) return;
   intake_->checkStamp("odom", odometry->stamp);
-  const Stamp now = toStamp(ros::Time::now());
-  diagnostics_.input("odom").received(odometry->stamp, now);
-  const std::optional<MapPose> pose = localization_.addOdometry(*odometry, now);
+  const auto [status, pose] = localization_.addOdometry(*odometry, toStamp(ros::Time::now()));
+  note("odom", odometry->stamp, status);
   if (!pose) return;
   publishPose(pose->estimate);
   // Whoever is lost must not drive on by the map: its transform grows stale.
@@ -136,17 +137,23 @@ void MarkerLocalizationNode::onOdometry(const nav_msgs::Odometry& msg) {
 }
 
 void MarkerLocalizationNode::onCommand(const geometry_msgs::TwistStamped& msg) {
+  if (!isStamped("cmd_vel_stamped", msg.header)) return;
   const Stamp stamp = toStamp(msg.header.stamp);
   intake_->checkStamp("cmd_vel_stamped", stamp);
-  note("cmd_vel_stamped", stamp,
-       localization_.addCommand(stamp, planar(msg.twist), toStamp(ros::Time::now())));
-  if (const auto pose = localization_.poseWithoutOdometry(stamp)) publishPose(*pose);
+  const FilterStatus status = localization_.addCommand(stamp, planar(msg.twist), toStamp(ros::Time::now()));
+  note("cmd_vel_stamped", stamp, status);
+  if (status == FilterStatus::kUsed) publishWithoutOdometry(stamp);
 }
 
 void MarkerLocalizationNode::onImu(const sensor_msgs::Imu& msg) {
   const std::optional<Eigen::Isometry3d> base_from_imu = sensors_.baseFrom(msg.header.frame_id);
   if (!base_from_imu) {
     diagnostics_.input("imu/data_raw").dropped("no transform from the frame \"" + msg.header.frame_id + "\"");
+    return;
+  }
+  if (!isStamped("imu/data_raw", msg.header)) return;
+  if (msg.angular_velocity_covariance[0] == -1.0) {  // sensor_msgs/Imu: it does not measure this
+    diagnostics_.input("imu/data_raw").dropped("without a yaw rate: angular_velocity_covariance[0] is -1");
     return;
   }
   const auto& rate = msg.angular_velocity;
@@ -172,7 +179,7 @@ void MarkerLocalizationNode::process(const CameraFrame& frame) {
     fix_pub_.publish(
         poseMessage(frame.stamp, localization_.map().frame, result.fix.map_from_base, result.fix.covariance));
   }
-  if (const auto pose = localization_.poseWithoutOdometry(frame.stamp)) publishPose(*pose);
+  if (result.fault.empty()) publishWithoutOdometry(frame.stamp);
   report(result);
   show(frame, result);
 }
@@ -198,6 +205,11 @@ std::string MarkerLocalizationNode::setPose(const std::string& input, const Pose
   return given.fault;
 }
 
+bool MarkerLocalizationNode::isStamped(const std::string& input, const std_msgs::Header& header) {
+  if (header.stamp.isZero()) diagnostics_.input(input).refused("no stamp");
+  return !header.stamp.isZero();
+}
+
 void MarkerLocalizationNode::note(const std::string& input, Stamp stamp, FilterStatus status) {
   if (status == FilterStatus::kUsed) {
     diagnostics_.input(input).received(stamp, toStamp(ros::Time::now()));
@@ -213,6 +225,11 @@ void MarkerLocalizationNode::publishPose(const PoseEstimate& estimate) {
   pose_pub_.publish(
       poseMessage(estimate.stamp, localization_.map().frame, estimate.map_from_base, estimate.covariance));
   showPath(estimate);
+}
+
+/// Of a stamp that was found sound: no pose of an earlier one is given out after it.
+void MarkerLocalizationNode::publishWithoutOdometry(Stamp stamp) {
+  if (const auto pose = localization_.poseWithoutOdometry(stamp)) publishPose(*pose);
 }
 
 void MarkerLocalizationNode::broadcast(Stamp stamp, const Pose2& map_from_odom) {

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <ros/console.h>
 
 #include <frugal_nav/ros/conversions.hpp>
@@ -7,12 +9,15 @@ namespace frugal_nav {
 
 void TimeJumpWatch::checkStamp(const std::string& input, Stamp stamp) {
   checkClock();
+  const bool is_ahead = slack_ > Duration::zero() && stamp > toStamp(last_now_) + slack_;
+  if (stamp == Stamp{} || is_ahead) return;
   const auto last = last_stamps_.find(input);
-  if (last != last_stamps_.end() && stamp < last->second) {
+  if (last != last_stamps_.end() && stamp + slack_ < last->second) {
     tell(input, stamp);
     stamps_jumped_ = last_now_;
   }
-  last_stamps_[input] = stamp;
+  Stamp& newest = last_stamps_[input];
+  newest = std::max(newest, stamp);
 }
 
 void TimeJumpWatch::checkClock() {

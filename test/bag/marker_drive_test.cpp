@@ -126,7 +126,7 @@ class MarkerDriveBag : public testing::Test {
     int number = 0;
     for (const Arrival& arrival : arrivals) {
       if (const auto* odometry = std::get_if<Odometry>(&arrival.message)) {
-        if (const auto pose = localization.addOdometry(*odometry, arrival.received))
+        if (const auto pose = localization.addOdometry(*odometry, arrival.received).pose)
           result.poses.push_back(*pose);
       } else if (const auto* gyro = std::get_if<Gyro>(&arrival.message)) {
         localization.addGyro(gyro->stamp, gyro->rate_radps, arrival.received);
@@ -192,7 +192,11 @@ Recording MarkerDriveBag::recording_;
 
 TEST_F(MarkerDriveBag, StandingItKnowsWhereItIs) {
   const Result whole = run();
-  expectGood(whole, kWarmUp_s, test::kStandUntil_s);
+  const Errors found = expectGood(whole, kWarmUp_s, test::kStandUntil_s);
+  // One view has one error of three dimensions, whose mean square is 1: 3.8 in one of a hundred, 0.04
+  // likewise.
+  EXPECT_LT(found.nees, 3.8);
+  EXPECT_GT(found.nees, 0.04);
   expectNoFlip(whole);
 }
 
@@ -213,7 +217,9 @@ TEST_F(MarkerDriveBag, ADropOutCostsTheDriftOfTheWheels) {
   change.keeps_image = [](double at_s) { return at_s < 4.0 || at_s > 9.0; };
   const Result gap = run(change);
   const double way_m = 0.3 * 5.0;
-  EXPECT_LT(errors(gap, 8.5, 9.0).position_max_m, kPosition_m + 0.02 * way_m);
+  const Errors at_end = errors(gap, 8.5, 9.0);
+  EXPECT_GT(at_end.count, 20);
+  EXPECT_LT(at_end.position_max_m, kPosition_m + 0.02 * way_m);
   expectGood(gap, 9.5, test::kDriveUntil_s);
   EXPECT_EQ(gap.counts.restarts, 0U);
 }

@@ -76,9 +76,10 @@ class CameraGraph {
     msg.K = {266.0, 0.0, 159.5, 0.0, 266.0, 119.5, 0.0, 0.0, 1.0};
     return msg;
   }
-  void publishOdometry() {
+  void publishOdometry() { publishOdometry(clock.now()); }
+  void publishOdometry(ros::Time stamp) {
     Odometry odometry;
-    odometry.stamp = toStamp(clock.now());
+    odometry.stamp = toStamp(stamp);
     odometry.odom_from_base = pose;
     odometry_pub_.publish(toRos(odometry, "odom", "base_link"));
   }

@@ -48,17 +48,23 @@ struct MapPose {
   Pose2 map_from_odom;    ///< at the same stamp
 };
 
+/// What an odometry led to.
+struct OdometryResult {
+  FilterStatus filter = FilterStatus::kUsed;  ///< what the filter made of it as the twist source
+  std::optional<MapPose> pose;
+};
+
 /// How localization fares.
 struct LocalizationStatus {
   enum class State {
-    kNoFix,           ///< no marker of the map was seen yet: there is no pose
+    kNoFix,           ///< no marker of the map was used yet: there is no pose
     kMarkers,         ///< a fix within without_markers_s
     kWithoutMarkers,  ///< dead reckoning
     kLost             ///< and so for so long that the position's sigma is beyond max_sigma_m
   };
   State state = State::kNoFix;
   MotionSource source = MotionSource::kNone;
-  double without_markers_s = 0.0;  ///< since the last fix that was used
+  double without_markers_s = 0.0;  ///< since the last fix that was used, or since the pose was set
   double sigma_m = 0.0;            ///< of the position, its worst way
   std::string reason;              ///< in words, with what is missing
 
@@ -79,9 +85,9 @@ class MarkerLocalization {
   MarkerLocalization(const MarkerLocalizationParams& params, const MarkerMap& map);
 
   /// Wheel odometry: its twist moves the filter when the twist source is the encoders; the pose is given at
-  /// its stamp, at each stamp once. Nothing before the first fix, for a stamp not after the last, and for
-  /// values that are not finite.
-  std::optional<MapPose> addOdometry(const Odometry& odometry, Stamp received);
+  /// its stamp, at each stamp once. None before the first fix, for a stamp that is not after the last, from
+  /// the future or older than the history, and for a pose that is not finite.
+  OdometryResult addOdometry(const Odometry& odometry, Stamp received);
   /// The pose at the stamp of another input while the odometry is silent; nothing while it is not.
   std::optional<PoseEstimate> poseWithoutOdometry(Stamp stamp);
   /// Commanded velocity, for a base without encoders.
@@ -117,6 +123,7 @@ class MarkerLocalization {
  private:
   std::optional<PoseEstimate> takePose(Stamp stamp);
   Twist2 twistOf(const Odometry& odometry) const;
+  std::optional<Pose2> predictedAt(Stamp stamp) const;
   const MarkerLocalizer& localizerFor(const MarkerCamera& taken);
   std::string faultOf(const MarkerCamera& taken, Stamp received) const;
   void noticeJump();
@@ -131,6 +138,7 @@ class MarkerLocalization {
   std::optional<Odometry> last_odometry_;
   std::optional<Stamp> last_pose_;  ///< given out
   std::optional<Stamp> last_fix_;   ///< used
+  std::optional<Stamp> last_set_;   ///< when a pose was given by setPose
   std::uint64_t time_jumps_ = 0;    ///< of the filter, noticed
 };
 

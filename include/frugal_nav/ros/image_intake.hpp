@@ -61,6 +61,8 @@ class ImageIntake {
     std::function<void(const std::string&)> silent = {};
     /// Whether images wait for the odometry of their stamp; without, odom is not subscribed to.
     bool with_odometry = true;
+    /// How far stamps may go back, or lie ahead of ROS time, without a jump; see TimeJumpWatch.
+    Duration slack{};
   };
 
   /// Throws ConfigError when there is no plugin of that image transport.

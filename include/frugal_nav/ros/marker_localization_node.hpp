@@ -49,8 +49,10 @@ class MarkerLocalizationNode {
   std::string setPose(const std::string& input, const PoseMessage& msg);
   void addSwitch(const std::string& name, FilterInput input, bool at_first);
 
+  bool isStamped(const std::string& input, const std_msgs::Header& header);
   void note(const std::string& input, Stamp stamp, FilterStatus status);
   void publishPose(const PoseEstimate& estimate);
+  void publishWithoutOdometry(Stamp stamp);
   void broadcast(Stamp stamp, const Pose2& map_from_odom);
   void show(const CameraFrame& frame, const MarkerImageResult& result);
   void showPath(const PoseEstimate& estimate);

@@ -14,10 +14,13 @@ namespace frugal_nav {
 /// itself. Clock and messages come on different connections, so that one jump shows in both, in either order.
 class TimeJumpWatch {
  public:
-  /// `jumped` gets the first instant of the new time.
-  explicit TimeJumpWatch(std::function<void(Stamp now)> jumped) : jumped_(std::move(jumped)) {}
+  /// `jumped` gets the first instant of the new time. `slack` is how far a stamp may go back, or lie ahead of
+  /// ROS time, and be the node's own to judge: for one that puts late messages in their places. Without it
+  /// each step back is a jump.
+  explicit TimeJumpWatch(std::function<void(Stamp now)> jumped, Duration slack = {})
+      : jumped_(std::move(jumped)), slack_(slack) {}
 
-  /// Checks the stamp of an input's message, before it is used.
+  /// Checks the stamp of an input's message, before it is used. A message without a stamp tells nothing.
   void checkStamp(const std::string& input, Stamp stamp);
   /// Checks ROS time; to be called now and then, and before a message without a stamp of its own is used.
   void checkClock();
@@ -26,6 +29,7 @@ class TimeJumpWatch {
   void tell(const std::string& who, Stamp now);
 
   std::function<void(Stamp now)> jumped_;
+  Duration slack_;
   std::map<std::string, Stamp> last_stamps_;
   ros::Time last_now_;
   ros::Time stamps_jumped_;  // when, in the old time, they did; ROS time may yet follow: the same jump
