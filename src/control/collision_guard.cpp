@@ -11,6 +11,9 @@ namespace {
 // No point of the footprint moves farther than this between two checked poses, so that none is farther than
 // half of it from a checked place: less than the default margins, slow_margin_m too.
 constexpr double kStep_m = 0.015;
+// Arcs tried where the commanded one is closed: each turns by so much more, to either side.
+constexpr double kBend_radps = 0.06;
+constexpr int kBends = 5;
 
 Twist2 scaled(const Twist2& twist, double factor) { return {factor * twist.v_mps, factor * twist.w_radps}; }
 
@@ -46,22 +49,41 @@ GuardedTwist CollisionGuard::check(const Twist2& command, const Twist2& present,
   const double hold_s = params_.hold_s + std::max(scan_age_s, 0.0);
   const double reach_m = stoppingWay(command, present, hold_s).length_m + circumradius_m_ + params_.margin_m;
   const std::vector<Eigen::Vector2d> near = within(reach_m, p_base);
-  const auto touchesNothing = [&](const Twist2& twist, double margin_m) {
-    return isFree(stoppingWay(twist, present, hold_s), margin_m, near);
+  const auto touchesNothing = [&](const Twist2& twist) {
+    return isFree(stoppingWay(twist, present, hold_s), marginAt(twist), near);
   };
   for (const double share : {1.0, 0.75, 0.5, 0.25}) {
     const Twist2 twist = scaled(command, share);
-    const double margin_m = share > 0.25 ? params_.margin_m : params_.slow_margin_m;
-    if (touchesNothing(twist, margin_m)) return {twist, share};
+    if (touchesNothing(twist)) return {twist, share};
   }
   if (command.w_radps != 0.0 && command.v_mps != 0.0) {
     for (const double share : {1.0, 0.25}) {
       const Twist2 turn{0.0, share * command.w_radps};
-      const double margin_m = share > 0.25 ? params_.margin_m : params_.slow_margin_m;
-      if (touchesNothing(turn, margin_m)) return {turn, share};
+      if (touchesNothing(turn)) return {turn, share};
+    }
+  }
+  for (int i = 1; command.v_mps != 0.0 && i <= kBends; ++i) {
+    for (const double side : {1.0, -1.0}) {
+      const Twist2 twist = bent(command, side * i * kBend_radps);
+      if (touchesNothing(twist)) return {twist, twist.v_mps / command.v_mps};
     }
   }
   return {{}, 0.0};
+}
+
+/// A command at the speed of narrow passages on an arc that turns by so much more.
+Twist2 CollisionGuard::bent(const Twist2& command, double turn_radps) const {
+  const double slow_mps = 0.5 * params_.slow_mps;
+  const double factor = std::min(1.0, slow_mps / std::abs(command.v_mps));
+  return {factor * command.v_mps, factor * command.w_radps + turn_radps};
+}
+
+/// The air to keep at a velocity.
+double CollisionGuard::marginAt(const Twist2& velocity) const {
+  const double fastest_mps = std::abs(velocity.v_mps) + std::abs(velocity.w_radps) * circumradius_m_;
+  const double share =
+      std::clamp((fastest_mps - params_.slow_mps) / (params_.full_mps - params_.slow_mps), 0.0, 1.0);
+  return params_.slow_margin_m + share * (params_.margin_m - params_.slow_margin_m);
 }
 
 double CollisionGuard::freeDistance(const Twist2& velocity, double horizon_m,

@@ -11,7 +11,9 @@ namespace frugal_nav {
 /// How the collision stop looks ahead.
 struct CollisionGuardParams {
   double margin_m = 0.025;
-  double slow_margin_m = 0.012;
+  double slow_margin_m = 0.010;
+  double slow_mps = 0.10;
+  double full_mps = 0.20;
   double reaction_s = 0.10;
   double hold_s = 0.05;
   double brake_mps2 = 1.5;
@@ -22,10 +24,13 @@ struct CollisionGuardParams {
     visit("margin_m", margin_m,
           Field{"m", "air kept around the footprint: five standard deviations of a scan at half a metre", 0.0,
                 1.0});
-    visit(
-        "slow_margin_m", slow_margin_m,
-        Field{"m", "the same at a quarter of the commanded speed, so that narrow passages are driven slowly",
-              0.0, 1.0});
+    visit("slow_margin_m", slow_margin_m,
+          Field{"m",
+                "the same when driving slowly, so that narrow passages are passed: what a scan errs close by",
+                0.0, 1.0});
+    visit("slow_mps", slow_mps,
+          Field{"m/s", "up to this speed of the footprint's fastest corner that margin is enough", 0.0, 5.0});
+    visit("full_mps", full_mps, Field{"m/s", "and from this on the whole margin is kept", 0.01, 5.0});
     visit("reaction_s", reaction_s,
           Field{"s", "for this long the present velocity goes on: motor lag and transport", 0.0, 1.0});
     visit("hold_s", hold_s,
@@ -36,6 +41,7 @@ struct CollisionGuardParams {
           Field{"rad/s^2", "deceleration of a turn in an emergency stop", 0.1, 100.0});
   }
   std::string check() const {
+    if (full_mps <= slow_mps) return "full_mps must exceed slow_mps";
     return slow_margin_m <= margin_m ? "" : "slow_margin_m must not exceed margin_m";
   }
 };
@@ -43,7 +49,7 @@ struct CollisionGuardParams {
 /// What the collision stop left of a command.
 struct GuardedTwist {
   Twist2 velocity;
-  double share = 1.0;  ///< of the commanded turn rate, and of its speed unless it only turns now; 0: stopped
+  double share = 1.0;  ///< of the command, or of its turn rate alone or its speed alone; 0: stopped
 };
 
 /// Scales commands down until the footprint, driven along them and then stopped, touches no point.
@@ -59,7 +65,7 @@ class CollisionGuard {
   CollisionGuard(const CollisionGuardParams& params, const Polygon2& footprint);
 
   /// The largest share of a command that touches nothing: all of it, 3/4, 1/2, 1/4, then turning alone, then
-  /// zero.
+  /// driving slowly on another arc, the next to the commanded one, then zero.
   GuardedTwist check(const Twist2& command, const Twist2& present, double scan_age_s,
                      const std::vector<Eigen::Vector2d>& p_base) const;
   /// How far the robot can drive along a velocity's arc before the margin touches a point [m]; `horizon_m`
@@ -79,6 +85,8 @@ class CollisionGuard {
     double length_m = 0.0;
   };
 
+  Twist2 bent(const Twist2& command, double turn_radps) const;
+  double marginAt(const Twist2& velocity) const;
   void drive(Way& way, const Twist2& begin, const Twist2& end, double duration_s) const;
   Way stoppingWay(const Twist2& command, const Twist2& present, double hold_s) const;
   bool isFree(const Way& way, double margin_m, const std::vector<Eigen::Vector2d>& p_base) const;

@@ -121,6 +121,34 @@ TEST(CollisionGuard, PassesADoorwayALittleWiderThanItself) {
   EXPECT_GT(pose.x_m, 1.5);
 }
 
+/// A door in a wall of 0.1 m thickness, seen on its jambs too.
+Points door(double width_m) {
+  Points points;
+  for (const double side : {1.0, -1.0}) {
+    const double y = side * 0.5 * width_m;
+    for (const Points& part : {wall({1.0, y}, {1.0, side * 2.0}), wall({1.0, y}, {1.1, y})})
+      points.insert(points.end(), part.begin(), part.end());
+  }
+  return points;
+}
+
+TEST(CollisionGuard, DrivesSlowlyThroughADoorFourCentimetresWiderThanItself) {
+  const CollisionGuard guard({}, kFootprint);
+  Pose2 pose;
+  EXPECT_GT(drivenClearance(guard, {0.08, 0.0}, door(0.29), pose), 0.009);
+  EXPECT_GT(pose.x_m, 1.5);
+  Pose2 fast;
+  drivenClearance(guard, {0.35, 0.0}, door(0.26), fast);
+  EXPECT_LT(fast.x_m, 1.0) << "half a centimetre on either side is too little";
+}
+
+TEST(CollisionGuard, BendsASlowWayThatScrapesAJamb) {
+  const CollisionGuard guard({}, kFootprint);
+  Pose2 pose{0.90, 0.0, 0.05};  // askew in the door: straight on its left front would scrape
+  EXPECT_GT(drivenClearance(guard, {0.06, 0.0}, door(0.29), pose), 0.0);
+  EXPECT_GT(pose.x_m, 1.4);
+}
+
 TEST(CollisionGuard, FreeDistanceIsThatToTheMargin) {
   const CollisionGuard guard({}, kFootprint);
   const Points ahead = wall({0.5, -1.0}, {0.5, 1.0});
