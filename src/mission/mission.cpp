@@ -306,6 +306,7 @@ void Mission::watchProgress(const Odometry& odometry) {
   else if (path_ && path_->found && path_->stamp >= goal_start_)
     sample.remaining_m = path_->remaining_m;
   sample.commanded = isCommanded(odometry.stamp);
+  if (letsPass()) progress_.wait(odometry.stamp);
   const ProgressMonitor::Verdict verdict = progress_.update(sample);
   if (progress_.gained_m() >= params_.recovery.regained_m) recoveries_ = 0;
 

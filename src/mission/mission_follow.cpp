@@ -119,6 +119,12 @@ bool Mission::hearsLocalPlanner(Stamp now) const {
 /// Whether the camera that must guard a turn on the spot has fallen silent.
 bool Mission::isBlind(Stamp now) const { return isCamera() && !hearsLocalPlanner(now); }
 
+/// Whether the local planner stands for something that moves.
+bool Mission::letsPass() const {
+  return !isCamera() && local_ && local_->status == MotionCommand::Status::kDriving &&
+         local_->holds == MotionCommand::Holds::kNothing;
+}
+
 /// Whether the base is told to move now.
 bool Mission::isCommanded(Stamp now) const {
   if (!isCamera()) return local_ && local_->holds != MotionCommand::Holds::kNothing;

@@ -15,6 +15,8 @@ void ProgressMonitor::resume(Stamp stamp) {
   anchor_.reset();
 }
 
+void ProgressMonitor::wait(Stamp stamp) { last_progress_ = stamp; }
+
 ProgressMonitor::Verdict ProgressMonitor::update(const Sample& sample) {
   if (sample.remaining_m) follow(sample.stamp, *sample.remaining_m);
   if (stalled(sample)) return Verdict::kStalled;

@@ -1,11 +1,19 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <frugal_nav/planning/active_window.hpp>
 
 namespace frugal_nav {
+namespace {
 
-ActiveWindow::ActiveWindow(const RollingGridParams& params) : params_(params), grid_(params) {
+// What a thing left in the grid before it was known to move reaches about this far beyond its radius.
+constexpr double kBeside_m = 0.10;
+
+}  // namespace
+
+ActiveWindow::ActiveWindow(const RollingGridParams& params, const MovingObstaclesParams& moving)
+    : params_(params), grid_(params), moving_(moving) {
   hits_.resize(static_cast<std::size_t>(grid_.size()) * static_cast<std::size_t>(grid_.size()));
 }
 
@@ -14,16 +22,46 @@ std::size_t ActiveWindow::placeOf(Cell cell) const { return static_cast<std::siz
 void ActiveWindow::update(const LaserScan& scan, const Pose2& odom_from_laser,
                           const Eigen::Vector2d& p_odom_robot) {
   grid_.moveTo(p_odom_robot);
-  grid_.insert(scan, odom_from_laser);
-  for (const Eigen::Vector2d& p : obstaclePoints(scan, odom_from_laser)) {
+  moving_.update(scan, odom_from_laser, grid_);
+  for (const TrackedObstacle& moved : moving_.moving()) {
+    for (const Eigen::Vector2d& p : moved.trail)
+      grid_.erase(p, moved.radius_m + kBeside_m, params_.max_certainty);
+  }
+  const LaserScan standing = takeMovingOut(scan, odom_from_laser);
+  grid_.insert(standing, odom_from_laser);
+  for (const Eigen::Vector2d& p : obstaclePoints(standing, odom_from_laser)) {
     const Cell cell = grid_.cellOf(p);
     if (grid_.contains(cell)) hits_[placeOf(cell)] = p.cast<float>();
   }
 }
 
-void ActiveWindow::reset() { grid_.reset(); }
+/// The scan without the returns of what moves, which say nothing then.
+LaserScan ActiveWindow::takeMovingOut(const LaserScan& scan, const Pose2& odom_from_laser) {
+  LaserScan standing = scan;
+  moving_hits_.clear();
+  if (moving_.moving().empty()) return standing;
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    if (classify(scan, scan.ranges_m[i]) != Return::kHit) continue;
+    const double range_m = scan.ranges_m[i];
+    const double angle = scan.angleOf(i);
+    const Eigen::Vector2d p =
+        odom_from_laser * Eigen::Vector2d(range_m * std::cos(angle), range_m * std::sin(angle));
+    if (!moving_.isMoving(p)) continue;
+    moving_hits_.push_back(p);
+    standing.ranges_m[i] = std::numeric_limits<float>::quiet_NaN();
+  }
+  return standing;
+}
 
-void ActiveWindow::setParams(const RollingGridParams& params) {
+void ActiveWindow::reset() {
+  grid_.reset();
+  moving_.reset();
+  moving_hits_.clear();
+}
+
+void ActiveWindow::setParams(const RollingGridParams& params, const MovingObstaclesParams& moving) {
+  moving_ = MovingObstacles(moving);
+  moving_hits_.clear();
   grid_.setParams(params);
   params_ = params;
   hits_.resize(static_cast<std::size_t>(grid_.size()) * static_cast<std::size_t>(grid_.size()));
@@ -41,6 +79,9 @@ std::vector<WindowPoint> ActiveWindow::pointsWithin(const Eigen::Vector2d& p_odo
       if ((p - p_odom).squaredNorm() > radius_m * radius_m) continue;
       points.push_back({p, static_cast<double>(certainty) / params_.max_certainty});
     }
+  }
+  for (const Eigen::Vector2d& p : moving_hits_) {
+    if ((p - p_odom).squaredNorm() <= radius_m * radius_m) points.push_back({p, 1.0});
   }
   return points;
 }

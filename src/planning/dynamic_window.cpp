@@ -110,7 +110,7 @@ MotionCommand DynamicWindow::plan(const LocalPlannerInput& input) {
   command.stamp = input.scan.stamp;
   const Eigen::Vector2d target = base_from_odom * input.target_odom;
   command.clear_bearing_rad = clearBearing(input);
-  const double to_goal_m = (base_from_odom * input.goal_odom).norm();
+  const double to_goal_m = std::min((base_from_odom * input.goal_odom).norm(), input.way_m);
   const double fastest_mps = std::min(speed_.params().max_v_mps, speed_.stoppable_mps(to_goal_m));
   const std::vector<Choice> choices = rate(input.odometry.twist, target, fastest_mps, p_base);
   const Choice* chosen = best(choices);

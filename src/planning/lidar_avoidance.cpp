@@ -4,10 +4,16 @@
 
 #include <frugal_nav/planning/corridor.hpp>
 #include <frugal_nav/planning/lidar_avoidance.hpp>
+#include <frugal_nav/planning/path_shape.hpp>
 #include <frugal_nav/planning/vfh_star.hpp>
 
 namespace frugal_nav {
 namespace {
+
+// A way shorter than this is not worth starting.
+constexpr double kShortest_m = 0.08;
+// A single return may be noise.
+constexpr int kLeastReturns = 2;
 
 MotionCommand stopped(MotionCommand command, MotionCommand::Status status, const std::string& reason) {
   command.status = status;
@@ -41,7 +47,7 @@ void LidarAvoidance::setParams(const LidarAvoidanceParams& params) {
   validate(params, "avoidance");
   params_ = params;
   makePlanner();
-  window_ = std::make_unique<ActiveWindow>(params.window);
+  window_ = std::make_unique<ActiveWindow>(params.window, params.moving);
 }
 
 void LidarAvoidance::makePlanner() {
@@ -101,12 +107,15 @@ MotionCommand LidarAvoidance::update(const LaserScan& scan, const Pose2& base_fr
   const Eigen::Vector2d goal = goal_ ? goal_->position() : ahead;
   const Eigen::Vector2d target = follows ? lookAhead(odometry.odom_from_base, obstacles) : goal;
   // The method sees every scan, so that the clearer side is known while the robot stands.
+  const double way_m = freeWay(odometry, goal, follows);
   const MotionCommand command =
-      planner_->plan({scan, base_from_laser, obstacles, odometry, target, goal, window_.get()});
+      planner_->plan({scan, base_from_laser, obstacles, odometry, target, goal, window_.get(), way_m});
   if (!goal_) return stopped(command, Status::kIdle, "no goal");
   if (!path_fault.empty()) return stopped(command, Status::kStopped, path_fault);
   if (needsPath() && path_.empty())
     return stopped(command, Status::kBlocked, "the planner has no path to the goal");
+  if (way_m < kShortest_m || hasCompany(odometry.odom_from_base.position()))
+    return stopped(command, Status::kDriving, "letting a moving obstacle pass");
   return command;
 }
 
@@ -130,6 +139,32 @@ std::string LidarAvoidance::findPathFault(Stamp now) const {
   if (age > params_.path_timeout_s) return "no path from the planner for " + seconds(age);
   const bool finite = std::all_of(path_.begin(), path_.end(), [](const Pose2& p) { return p.isFinite(); });
   return finite ? "" : "the path is not finite";
+}
+
+/// How far the robot may drive without getting in the way of what moves [m].
+double LidarAvoidance::freeWay(const Odometry& odometry, const Eigen::Vector2d& goal_odom,
+                               bool follows) const {
+  if (sectors_ != nullptr || window_->moving().moving().empty()) return HUGE_VAL;
+  const Eigen::Vector2d p_odom_robot = odometry.odom_from_base.position();
+  Path2 ahead{{p_odom_robot.x(), p_odom_robot.y(), 0.0}};
+  if (follows)
+    ahead.insert(ahead.end(), path_.begin() + static_cast<std::ptrdiff_t>(nearestIndex(path_, p_odom_robot)),
+                 path_.end());
+  else
+    ahead.push_back({goal_odom.x(), goal_odom.y(), 0.0});
+  const double free_m = lengthToYield(ahead, window_->moving().moving(), body_.circumradius_m,
+                                      params_.right_of_way, std::max(odometry.twist.v_mps, 0.0));
+  return free_m < lengthOf(ahead) ? free_m : HUGE_VAL;
+}
+
+/// Whether something that moves is close by, and not on its way off.
+bool LidarAvoidance::hasCompany(const Eigen::Vector2d& p_odom_robot) const {
+  if (sectors_ != nullptr) return false;
+  const MovingObstacles& moving = window_->moving();
+  const double near_m = body_.circumradius_m + params_.company_m;
+  return std::count_if(moving.newcomers().begin(), moving.newcomers().end(), [&](const Eigen::Vector2d& p) {
+           return (p - p_odom_robot).norm() < near_m && !moving.isLeaving(p, p_odom_robot);
+         }) >= kLeastReturns;
 }
 
 /// The farthest point of the path within look_ahead_m, measured along it, that a body's width can reach

@@ -24,7 +24,7 @@ std::string reasonOf(AStarResult::Status status) {
 LidarPlanner::LidarPlanner(const LidarPlannerParams& params, const BodyExtent& body)
     : params_(params),
       body_(body),
-      window_(params.grid),
+      window_(params.grid, params.moving),
       cost_map_(params.cost, body, window_.grid(), params.tight_margin_m) {
   validate(params, "planner");
 }
@@ -32,7 +32,7 @@ LidarPlanner::LidarPlanner(const LidarPlannerParams& params, const BodyExtent& b
 void LidarPlanner::setParams(const LidarPlannerParams& params) {
   validate(params, "planner");
   params_ = params;
-  window_.setParams(params.grid);
+  window_.setParams(params.grid, params.moving);
   cost_map_ = CostMap(params.cost, body_, grid(), params.tight_margin_m);
 }
 
@@ -81,7 +81,7 @@ void LidarPlanner::plan(const Pose2& odom_from_base, LidarPlan& plan) {
   if (cost_map_.weights().contains(window_goal) &&
       cost_map_.clearance_m(cost_map_.toWindow(start)) >= cost_map_.lethal_m())
     cost_map_.blockTight(window_goal, params_.goal_tolerance_m);
-  const AStarResult found = search(start, goal);
+  const AStarResult found = search(odom_from_base.position(), goal);
   if (found.status != AStarResult::Status::kFound) {
     plan.status = LidarPlan::Status::kNoPath;
     plan.reason = reasonOf(found.status);
@@ -93,13 +93,15 @@ void LidarPlanner::plan(const Pose2& odom_from_base, LidarPlan& plan) {
 }
 
 /// The cheapest way; where it leads through a passage that is too narrow, that is closed and the next sought.
-AStarResult LidarPlanner::search(Cell start, Cell goal) {
+AStarResult LidarPlanner::search(const Eigen::Vector2d& p_odom_robot, Cell goal) {
+  const Cell start = grid().cellOf(p_odom_robot);
   constexpr int kMostClosed = 8;
   for (int closed = 0;; ++closed) {
     AStarResult found =
         astar_.search(cost_map_.weights(), cost_map_.toWindow(start), cost_map_.toWindow(goal),
                       params_.goal_tolerance_m / params_.grid.cell_m);
-    if (found.status != AStarResult::Status::kFound || findTightPassages(found.cells)) return found;
+    if (found.status != AStarResult::Status::kFound || findTightPassages(found.cells, p_odom_robot))
+      return found;
     if (closed == kMostClosed) {
       found.status = AStarResult::Status::kNoPath;
       return found;
@@ -108,15 +110,16 @@ AStarResult LidarPlanner::search(Cell start, Cell goal) {
 }
 
 /// Measures the passages where a way is tight; false, with the place closed, when the body does not fit one.
-bool LidarPlanner::findTightPassages(const std::vector<Cell>& cells) {
+bool LidarPlanner::findTightPassages(const std::vector<Cell>& cells, const Eigen::Vector2d& p_odom_robot) {
   passages_.clear();
-  const double needed_m = 2.0 * body_.half_width_m + params_.passage_spare_m;
   const double reach_m = 2.0 * cost_map_.lethal_m();
   for (const Cell cell : cells) {
     if (cost_map_.clearance_m(cell) >= cost_map_.lethal_m()) continue;
     const Eigen::Vector2d p = grid().centerOf({cell.x + cost_map_.origin().x, cell.y + cost_map_.origin().y});
     const auto passage = passageAt(p, window_.pointsWithin(p, reach_m), reach_m);
     if (!passage) continue;
+    const double needed_m = 2.0 * body_.half_width_m + params_.passage_spare_m -
+                            params_.passage_noise * (passage->middle_odom - p_odom_robot).norm();
     if (passage->width_m < needed_m) {
       cost_map_.block(cell, params_.grid.cell_m);
       return false;

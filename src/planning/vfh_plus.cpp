@@ -128,7 +128,7 @@ MotionCommand VfhPlus::plan(const LocalPlannerInput& input) {
   command.status = MotionCommand::Status::kDriving;
   command.holds = MotionCommand::Holds::kVelocity;
   command.velocity = speed_.choose(angleBetween(base.yaw_rad, *decision_.chosen_odom_rad),
-                                   (input.goal_odom - base.position()).norm(), p_base);
+                                   std::min((input.goal_odom - base.position()).norm(), input.way_m), p_base);
   return command;
 }
 

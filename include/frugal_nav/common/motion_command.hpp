@@ -13,7 +13,7 @@ namespace frugal_nav {
 struct MotionCommand {
   enum class Status {
     kIdle,     ///< no goal
-    kDriving,  ///< the command holds
+    kDriving,  ///< the command holds; where it holds nothing, it stands while something that moves passes
     kTurning,  ///< no free direction: turning on the spot toward the larger clearance
     kBlocked,  ///< no way past the obstacles, even at the body's own width
     kStopped,  ///< an input is missing, stale or unusable; `reason` says which

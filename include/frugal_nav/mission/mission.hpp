@@ -149,6 +149,7 @@ class Mission {
   void startFollowing(const Eigen::Vector2d& p_odom_person, Stamp stamp);
   bool lostGoal(const Odometry& odometry);
   bool isBlind(Stamp now) const;
+  bool letsPass() const;
   bool isCommanded(Stamp now) const;
   bool arrived(const Odometry& odometry);
   bool standing(const Odometry& odometry) const;

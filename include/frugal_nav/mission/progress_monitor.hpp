@@ -67,6 +67,8 @@ class ProgressMonitor {
   void start(Stamp stamp);
   /// Counts progress from now on, after a recovery; the detours already granted stay counted.
   void resume(Stamp stamp);
+  /// Does not count the time up to now: the robot lets something pass.
+  void wait(Stamp stamp);
   /// Judges one instant; stamps must not go back.
   Verdict update(const Sample& sample);
 

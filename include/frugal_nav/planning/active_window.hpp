@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <frugal_nav/planning/moving_obstacles.hpp>
 #include <frugal_nav/planning/rolling_grid.hpp>
 
 namespace frugal_nav {
@@ -15,28 +16,33 @@ struct WindowPoint {
 /// The rolling certainty grid close to the robot that the histogram methods decide on.
 ///
 /// A cell also keeps where within it the last return lay, so that a passage is as wide as the scans say, not
-/// as the cells do.
+/// as the cells do. What moves is kept beside the grid and leaves no trail in it.
 class ActiveWindow {
  public:
-  explicit ActiveWindow(const RollingGridParams& params);
+  explicit ActiveWindow(const RollingGridParams& params, const MovingObstaclesParams& moving = {});
 
   /// Takes a scan in and centres the window on the robot.
   void update(const LaserScan& scan, const Pose2& odom_from_laser, const Eigen::Vector2d& p_odom_robot);
   void reset();
   /// Other parameters from the next scan on; another window or cell size forgets everything. Throws
   /// ConfigError.
-  void setParams(const RollingGridParams& params);
+  void setParams(const RollingGridParams& params, const MovingObstaclesParams& moving = {});
 
-  /// The obstacles within a distance of a place.
+  /// The obstacles within a distance of a place; of what moves, what the last scan saw.
   std::vector<WindowPoint> pointsWithin(const Eigen::Vector2d& p_odom, double radius_m) const;
 
   const RollingGrid& grid() const { return grid_; }
+  /// What moves, in odom.
+  const MovingObstacles& moving() const { return moving_; }
 
  private:
   std::size_t placeOf(Cell cell) const;
+  LaserScan takeMovingOut(const LaserScan& scan, const Pose2& odom_from_laser);
 
   RollingGridParams params_;
   RollingGrid grid_;
+  MovingObstacles moving_;
+  std::vector<Eigen::Vector2d> moving_hits_;  ///< of the last scan, in odom
   std::vector<Eigen::Vector2f> hits_;  ///< one a cell, in a ring as the grid's; valid where that is occupied
 };
 

@@ -14,6 +14,7 @@
 #include <frugal_nav/planning/body_extent.hpp>
 #include <frugal_nav/planning/dynamic_window.hpp>
 #include <frugal_nav/planning/local_planner.hpp>
+#include <frugal_nav/planning/right_of_way.hpp>
 #include <frugal_nav/planning/sector_avoidance.hpp>
 #include <frugal_nav/planning/vfh_plus.hpp>
 
@@ -28,6 +29,9 @@ struct LidarAvoidanceParams {
   double path_timeout_s = 0.5;
   SectorParams sectors;
   RollingGridParams window{6.0, 0.05, 4, 2, 12, 5.0, 4.0};
+  MovingObstaclesParams moving;
+  RightOfWayParams right_of_way{0.30, 5.0, 0.30, 0.30, 1.0, 1.5, 1.0, 0.6, 0.15};
+  double company_m = 0.40;
   SpeedParams speed;
   VfhParams vfh;
   DynamicWindowParams dwa;
@@ -50,6 +54,15 @@ struct LidarAvoidanceParams {
           Field{"s", "stop when the newest path is older than the scan by this", 0.05, 10.0});
     visit("sectors", sectors);
     visit("window", window);
+    visit("moving", moving);
+    visit("right_of_way", right_of_way);
+    visit(
+        "company_m", company_m,
+        Field{
+            "m",
+            "it stands while something that came here a moment ago, and does not leave, is this near to its "
+            "circle: way of a walker while the robot stops",
+            0.0, 2.0});
     visit("speed", speed);
     visit("vfh", vfh);
     visit("dwa", dwa);
@@ -91,6 +104,8 @@ class LidarAvoidance {
  private:
   void makePlanner();
   std::string findPathFault(Stamp now) const;
+  double freeWay(const Odometry& odometry, const Eigen::Vector2d& goal_odom, bool follows) const;
+  bool hasCompany(const Eigen::Vector2d& p_odom_robot) const;
   Eigen::Vector2d lookAhead(const Pose2& odom_from_base,
                             const std::vector<Eigen::Vector2d>& obstacles_base) const;
 

@@ -18,6 +18,7 @@ namespace frugal_nav {
 
 struct LidarPlannerParams {
   RollingGridParams grid;
+  MovingObstaclesParams moving;
   CostMapParams cost;
   double goal_tolerance_m = 0.25;
   double switch_gain = 0.10;
@@ -25,11 +26,13 @@ struct LidarPlannerParams {
   double path_spacing_m = 0.10;
   double tight_margin_m = -0.035;
   double passage_spare_m = 0.025;
+  double passage_noise = 0.02;
   double approach_m = 0.50;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
     visit("grid", grid);
+    visit("moving", moving);
     visit("cost", cost);
     visit("goal_tolerance_m", goal_tolerance_m,
           Field{"m",
@@ -53,6 +56,12 @@ struct LidarPlannerParams {
           Field{"m",
                 "what a passage must be wider than the body: the collision stop's slow margin on both sides",
                 0.0, 1.0});
+    visit("passage_noise", passage_noise,
+          Field{"",
+                "and less by this share of its distance, twice a scan's noise: what looks too narrow from "
+                "afar is "
+                "looked at from near by",
+                0.0, 0.2});
     visit("approach_m", approach_m,
           Field{"m", "before and behind a tight passage the path is straight for this long: a body's length",
                 0.0, 3.0});
@@ -98,8 +107,8 @@ class LidarPlanner {
 
  private:
   void plan(const Pose2& odom_from_base, LidarPlan& plan);
-  AStarResult search(Cell start, Cell goal);
-  bool findTightPassages(const std::vector<Cell>& cells);
+  AStarResult search(const Eigen::Vector2d& p_odom_robot, Cell goal);
+  bool findTightPassages(const std::vector<Cell>& cells, const Eigen::Vector2d& p_odom_robot);
   Path2 shape(const AStarResult& found, const Pose2& odom_from_base, bool at_goal) const;
 
   LidarPlannerParams params_;

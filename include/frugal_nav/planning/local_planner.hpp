@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include <frugal_nav/common/geometry.hpp>
@@ -19,6 +20,7 @@ struct LocalPlannerInput {
   Eigen::Vector2d target_odom;                         ///< where to go next: on the path, or the goal itself
   Eigen::Vector2d goal_odom;                           ///< where it all leads
   const ActiveWindow* window = nullptr;  ///< what the last scans said; the sector method needs none
+  double way_m = HUGE_VAL;               ///< how far it may drive now
 };
 
 /// Bearing of the larger clearance that the scan shows, in base_link; of equal ones the nearest to the

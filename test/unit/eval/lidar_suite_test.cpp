@@ -33,6 +33,17 @@ TEST(LidarSuite, StackGetsWhereDrivingStraightDoesNot) {
   EXPECT_GT(result.summary.at("contacts_straight").get<int>(), 0);
 }
 
+TEST(LidarSuite, LooksAheadThroughTightDoorsAndPastPeople) {
+  RunRequest run = request(3);
+  run.options["methods"] = std::vector<std::string>{"vfh_star"};
+  run.options["parts"] = std::vector<std::string>{"doorway", "moving", "near_target"};
+  const Result result = runSuite(run);
+  for (const std::string part : {"doorway", "moving", "near_target"}) {
+    EXPECT_EQ(result.summary.at("success_" + part + "_vfh_star"), 1.0);
+    EXPECT_EQ(result.summary.at("contacts_" + part + "_vfh_star"), 0);
+  }
+}
+
 TEST(LidarSuite, ThreadsAndShardsDoNotChangeTheRows) {
   RunRequest run = request(3);
   run.options["methods"] = std::vector<std::string>{"sectors"};

@@ -53,6 +53,7 @@ TEST(Recovery, EndsStepsThatAreHeldUp) {
 TEST(MissionRecovery, RecoversWhenStuckThenGivesUp) {
   MissionDriver driver;
   driver.command.holds = MotionCommand::Holds::kNothing;  // not told to move: no progress, no stall
+  driver.command.status = MotionCommand::Status::kTurning;
   driver.command.clear_bearing_rad = 0.8;
   driver.setGoal(kGoal);
   int recoveries = 0;
@@ -78,6 +79,7 @@ TEST(MissionRecovery, TurnsTowardTheClearSide) {
   for (const double bearing_rad : {1.0, -1.0}) {
     MissionDriver driver;
     driver.command.holds = MotionCommand::Holds::kNothing;
+    driver.command.status = MotionCommand::Status::kTurning;
     driver.command.clear_bearing_rad = bearing_rad;
     driver.setGoal(kGoal);
     driver.runWhile(MissionPhase::kDriving, 20.0);
@@ -95,6 +97,20 @@ TEST(MissionRecovery, NoticesAStallBeforeTheLackOfProgress) {
   driver.run(0.3);
   EXPECT_EQ(driver.mission.status().phase, MissionPhase::kRecovering);
   EXPECT_THAT(driver.mission.status().reason, HasSubstr("standing for 4"));
+}
+
+TEST(MissionRecovery, LettingSomethingPassIsNotStuck) {
+  MissionDriver driver;
+  driver.command.holds = MotionCommand::Holds::kNothing;
+  driver.command.status = MotionCommand::Status::kDriving;
+  driver.setGoal(kGoal);
+  driver.run(30.0);
+  EXPECT_EQ(driver.mission.status().phase, MissionPhase::kDriving);
+  driver.command.status = MotionCommand::Status::kTurning;  // and yet it stands: stuck_s is 8 s
+  driver.run(7.5);
+  EXPECT_EQ(driver.mission.status().phase, MissionPhase::kDriving);
+  driver.run(1.0);
+  EXPECT_EQ(driver.mission.status().phase, MissionPhase::kRecovering);
 }
 
 TEST(MissionRecovery, WaitsForWhatMayGoAway) {
@@ -117,6 +133,7 @@ TEST(MissionRecovery, WaitsForWhatMayGoAway) {
 TEST(MissionRecovery, SaysThatThereIsNoPath) {
   MissionDriver driver;
   driver.command.holds = MotionCommand::Holds::kNothing;
+  driver.command.status = MotionCommand::Status::kTurning;
   driver.path_found = false;
   driver.path_reason = "the goal lies in an obstacle";
   driver.setGoal(kGoal);
@@ -143,6 +160,7 @@ TEST(MissionRecovery, NeedsNoPathWhenToldSo) {
 TEST(MissionRecovery, StandsWithoutAScanWhileRecovering) {
   MissionDriver driver;
   driver.command.holds = MotionCommand::Holds::kNothing;
+  driver.command.status = MotionCommand::Status::kTurning;
   driver.command.clear_bearing_rad = 1.5;
   driver.setGoal(kGoal);
   driver.runWhile(MissionPhase::kDriving, 20.0);
@@ -159,6 +177,7 @@ TEST(MissionRecovery, StandsWithoutAScanWhileRecovering) {
 TEST(MissionRecovery, ForgetsRecoveriesAfterProgress) {
   MissionDriver driver;
   driver.command.holds = MotionCommand::Holds::kNothing;
+  driver.command.status = MotionCommand::Status::kTurning;
   driver.setGoal({8.0, 0.0, 0.0});
   driver.runWhile(MissionPhase::kDriving, 20.0);
   driver.runWhile(MissionPhase::kRecovering, 30.0);

@@ -56,6 +56,18 @@ TEST(RightOfWay, StandsStillWhereDrivingBringsItNearer) {
   EXPECT_DOUBLE_EQ(lengthFor(walker({0.7, -0.5}, {0.0, 0.5})), 0.0);
 }
 
+TEST(RightOfWay, OneThatStandsNeedsTimeToGetGoing) {
+  // He comes in five seconds to where the robot is; at once at speed it would be 1.2 m on, from a stand 0.3
+  // m.
+  RightOfWayParams slow;
+  slow.accel_mps2 = 0.05;
+  const TrackedObstacle coming = walker({0.0, -2.0}, {0.0, 0.4});
+  EXPECT_DOUBLE_EQ(lengthFor(coming), 4.0);
+  slow.leave_m = 0.3;
+  EXPECT_DOUBLE_EQ(lengthToYield(straightPath(4.0), {coming}, kRobotRadius_m, slow, 0.25), 4.0);
+  EXPECT_DOUBLE_EQ(lengthToYield(straightPath(4.0), {coming}, kRobotRadius_m, slow, 0.0), 0.0);
+}
+
 TEST(RightOfWay, IgnoresOneWhoWalksAway) { EXPECT_DOUBLE_EQ(lengthFor(walker({2.0, 0.0}, {1.0, 0.0})), 4.0); }
 
 TEST(RightOfWay, YieldsToTheFirstOfSeveral) {
