@@ -78,8 +78,10 @@ Twist2 CollisionGuard::bent(const Twist2& command, double turn_radps) const {
   return {factor * command.v_mps, factor * command.w_radps + turn_radps};
 }
 
-/// The air to keep at a velocity.
+/// The air to keep at a velocity. A turn on the spot needs all of it: its corners sweep toward what lies
+/// beside the laser, nearer than it can measure.
 double CollisionGuard::marginAt(const Twist2& velocity) const {
+  if (velocity.v_mps == 0.0) return params_.margin_m;
   const double fastest_mps = std::abs(velocity.v_mps) + std::abs(velocity.w_radps) * circumradius_m_;
   const double share =
       std::clamp((fastest_mps - params_.slow_mps) / (params_.full_mps - params_.slow_mps), 0.0, 1.0);

@@ -142,6 +142,12 @@ TEST(CollisionGuard, DrivesSlowlyThroughADoorFourCentimetresWiderThanItself) {
   EXPECT_LT(fast.x_m, 1.0) << "half a centimetre on either side is too little";
 }
 
+TEST(CollisionGuard, ASlowTurnOnTheSpotKeepsTheWholeMargin) {
+  const CollisionGuard guard({}, kFootprint);
+  Pose2 pose;  // a corner, 0.173 m from the axis, sweeps toward the point, 0.168 m from it
+  EXPECT_GT(drivenClearance(guard, {0.0, 0.15}, {{0.05, 0.16}}, pose), 0.02);
+}
+
 TEST(CollisionGuard, BendsASlowWayThatScrapesAJamb) {
   const CollisionGuard guard({}, kFootprint);
   Pose2 pose{0.90, 0.0, 0.05};  // askew in the door: straight on its left front would scrape
