@@ -187,6 +187,19 @@ TEST(MarkerLocalizer, NeverTakesAFlipForTheRobot) {
   }
 }
 
+// Two markers whose second best place lies by the first one, with a flip, 8 degrees off, behind both.
+TEST(MarkerLocalizer, LooksForAFlipPastAPlaceThatIsTheFirstOnceMore) {
+  Random random(500373);
+  Pose2 truth{random.uniform(-1.5, 1.5), random.uniform(-1.0, 1.0), 0.0};
+  truth.yaw_rad = std::atan2(0.1 - truth.y_m, 4.0 - truth.x_m);
+  const MarkerFix fix =
+      localizer(only({0, 2})).locate(seen(only({0, 2}), test::bentCamera(), truth, 0.3, random));
+  EXPECT_EQ(fix.status, Status::kAmbiguous);
+  ASSERT_TRUE(fix.alternative);
+  const double apart_rad = std::abs(angleBetween(fix.map_from_base.yaw_rad, fix.alternative->yaw_rad));
+  EXPECT_GT(apart_rad, MarkerPoseParams().same_pose_deg * M_PI / 180.0);
+}
+
 TEST(MarkerLocalizer, LeavesOutAMarkerThatWasMoved) {
   Random random(500025);
   const Pose2 truth{1.2, 0.1, 0.0};
