@@ -61,6 +61,7 @@ LidarPlan LidarPlanner::update(const LaserScan& scan, const Pose2& base_from_las
     return result;
   }
   window_.update(scan, odom_from_base * base_from_laser, odom_from_base.position());
+  result.moving = window_.moving().moving();
   if (goal_ && !isUsable(*goal_)) {
     result.reason = "the goal is not finite";
     return result;

@@ -90,8 +90,17 @@ visualization_msgs::MarkerArray planMarkers(const LidarPlan& plan, const std::op
     const geometry_msgs::Point p = polar(2.0 * M_PI * i / kPieces, goal_tolerance_m);
     ring.points.push_back(point(odom_from_goal->x_m + p.x, odom_from_goal->y_m + p.y));
   }
+  // Where what moves will be within two seconds.
+  constexpr double kPredicted_s = 2.0;
+  Marker moving = marker("moving", Marker::LINE_LIST, odom_frame, plan.stamp);
+  moving.scale.x = 0.06;
+  moving.color = color(0.9F, 0.2F, 0.15F, 0.9F);
+  for (const TrackedObstacle& obstacle : plan.moving) {
+    for (const Eigen::Vector2d& p : {obstacle.p_odom, obstacle.at(kPredicted_s)})
+      moving.points.push_back(point(p.x(), p.y()));
+  }
   visualization_msgs::MarkerArray array;
-  for (Marker* m : {&ribbon, &ring}) {
+  for (Marker* m : {&ribbon, &ring, &moving}) {
     removeWhenEmpty(*m);
     array.markers.push_back(*m);
   }

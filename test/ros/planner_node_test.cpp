@@ -167,6 +167,9 @@ TEST_F(PlannerNodeTest, ShowsGridAndMarkersToListeners) {
   }
   ASSERT_GE(grids.messages.size(), 2U);
   ASSERT_FALSE(markers.messages.empty());
+  const visualization_msgs::Marker& moving = markers.messages.back().markers.back();
+  EXPECT_EQ(moving.ns, "moving");
+  EXPECT_EQ(moving.action, visualization_msgs::Marker::DELETE) << "nothing moves here";
   const nav_msgs::OccupancyGrid& grid = grids.messages.back();
   EXPECT_GE((grid.header.stamp - grids.messages[grids.messages.size() - 2].header.stamp).toSec(), 0.5 - 1e-6);
   ASSERT_EQ(grid.data.size(), grid.info.width * grid.info.height);

@@ -82,6 +82,7 @@ struct LidarPlan {
   Path2 path;  ///< in odom, from the robot on; empty: none
   bool reaches_goal =
       false;  ///< the path ends at the goal, not at the window's border or beside a blocked goal
+  std::vector<TrackedObstacle> moving;  ///< what moves, in odom: the path does not lead around it
 };
 
 /// Plans on every scan: scan into the rolling grid, grid into weights, A*, straight lines.

@@ -238,6 +238,20 @@ TEST_F(LidarPlannerTest, NamesWhatIsWrongWithAScan) {
   EXPECT_EQ(planFrom(room, {}).reason, "the goal is not finite");
 }
 
+TEST_F(LidarPlannerTest, WhatMovesIsSaidAndDoesNotBendThePath) {
+  planner.setGoal(Pose2{4.0, 0.0, 0.0});
+  LidarPlan plan;
+  for (int i = 0; i < 26; ++i) {  // it crosses at 0.8 m/s, and is on the straight way in the end
+    const double y = -2.0 + 0.08 * i;
+    FlatWorld crossed = room;
+    plan = planFrom(crossed.box(1.5, y - 0.15, 1.8, y + 0.15), {}, 0.1 * i);
+  }
+  ASSERT_EQ(plan.moving.size(), 1U);
+  EXPECT_GT(plan.moving.front().velocity_mps.y(), 0.5);
+  ASSERT_EQ(plan.status, Status::kFound);
+  for (const Pose2& pose : plan.path) EXPECT_NEAR(pose.y_m, 0.0, 0.06);
+}
+
 TEST_F(LidarPlannerTest, ResetForgetsWhatWasSeen) {
   planFrom(room, {});
   planner.reset();
