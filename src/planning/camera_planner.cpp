@@ -191,6 +191,28 @@ ModifiedAStar::Cost CameraPlanner::costOf(const CameraObservation& observation) 
   };
 }
 
+/// Around the far sides of what is seen, or past them where that way is too long. Leaves the cost map
+/// as the way was searched for.
+ModifiedAStar::Result CameraPlanner::findWay(const ModifiedAStar::Query& query, const Path2& before,
+                                             const ModifiedAStar::Cost& cost) {
+  constexpr auto kFound = ModifiedAStar::Result::Status::kFound;
+  const auto weigh = [&](double assumed_depth_m) {
+    cost_map_.update(memory_.grid(), memory_.grid().cellOf(query.robot), assumed_depth_m);
+    cost_map_.prefer(before, params_.same_way_m, params_.switch_gain);
+  };
+  weigh(params_.assumed_depth_m);
+  const ModifiedAStar::Result around = astar_.plan(query, cost);
+  const double straight_m = (query.goal - query.robot).norm();
+  const bool is_short = around.status == kFound && around.length_m <= params_.far_side_detour * straight_m;
+  if (is_short || params_.assumed_depth_m == 0.0) return around;
+  weigh(0.0);
+  const ModifiedAStar::Result past = astar_.plan(query, cost);
+  if (around.status != kFound || (past.status == kFound && around.cost > params_.far_side_detour * past.cost))
+    return past;
+  weigh(params_.assumed_depth_m);
+  return around;
+}
+
 void CameraPlanner::search(const CameraObservation& observation, CameraPlan& plan) {
   planned_ = {observation.stamp, goal_->position(), plan.gap, nearObstacle(observation), false, false};
   const std::string halt = haltReason(observation.gap);
@@ -202,13 +224,7 @@ void CameraPlanner::search(const CameraObservation& observation, CameraPlan& pla
   const ModifiedAStar::Cost cost = costOf(observation);
   const ModifiedAStar::Query query{plan.robot.position(), goal_->position(), plan.gap,
                                    params_.goal_tolerance_m};
-  if (!isLiteral()) cost_map_.prefer(before, params_.same_way_m, params_.switch_gain);
-  ModifiedAStar::Result found = astar_.plan(query, cost);
-  if (!isLiteral() && found.status != ModifiedAStar::Result::Status::kFound &&
-      params_.assumed_depth_m > 0.0) {
-    cost_map_.update(memory_.grid(), memory_.grid().cellOf(plan.robot.position()));
-    found = astar_.plan(query, cost);  // perhaps past the far side of what is seen, then
-  }
+  const ModifiedAStar::Result found = isLiteral() ? astar_.plan(query, cost) : findWay(query, before, cost);
   if (found.status != ModifiedAStar::Result::Status::kFound) {
     if (halt.empty()) {
       plan.status = CameraPlan::Status::kNoPath;

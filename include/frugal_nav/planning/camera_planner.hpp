@@ -53,6 +53,7 @@ struct CameraPlannerParams {
   double width_slack_m = 0.05;
   double no_gap_look_m = 1.5;
   double assumed_depth_m = 0.40;
+  double far_side_detour = 2.0;
   double goal_tolerance_m = 0.25;
   double switch_gain = 0.15;
   double same_way_m = 0.35;
@@ -80,8 +81,13 @@ struct CameraPlannerParams {
     visit("assumed_depth_m", assumed_depth_m,
           Field{"m",
                 "cells never seen this near to an obstacle are taken for its far side, unless there is no "
-                "other way; 0: never",
+                "other way, or none but a long one; 0: never",
                 0.0, 2.0});
+    visit("far_side_detour", far_side_detour,
+          Field{"",
+                "a way around such cells that costs this many times the way past them is too long: it mostly "
+                "leads where nothing was seen yet",
+                1.0, 100.0});
     visit("goal_tolerance_m", goal_tolerance_m,
           Field{"m",
                 "a goal beside an obstacle is replaced by the nearest reachable place within this; below the "
@@ -175,6 +181,8 @@ class CameraPlanner {
   std::string replanReason(const CameraObservation& observation) const;
   bool isClosed(const Path2& path) const;
   ModifiedAStar::Cost costOf(const CameraObservation& observation) const;
+  ModifiedAStar::Result findWay(const ModifiedAStar::Query& query, const Path2& before,
+                                const ModifiedAStar::Cost& cost);
   void search(const CameraObservation& observation, CameraPlan& plan);
   void giveWay(CameraPlan& plan) const;
   Path2 rest(const Pose2& odom_from_base) const;

@@ -107,6 +107,20 @@ TEST_F(CameraPlannerTest, RemembersAnObstacleThatLeftTheView) {
   EXPECT_GT(clearance(world_, look(planner, 20, turned).path), 0.15);
 }
 
+// A wall from side to side with a doorway of half a metre, seen askew: what is seen through it is narrower
+// than the robot with the wall's far side. No other way is open but through what lies unseen behind the
+// robot.
+TEST_F(CameraPlannerTest, DrivesThroughADoorwayRatherThanFarAroundItsUnseenSide) {
+  world_.box(1.5, -2.5, 1.7, -0.25).box(1.5, 0.25, 1.7, 2.5);
+  CameraPlanner planner(CameraPlannerParams{}, kBody);
+  planner.setGoal(Pose2{3.0, 0.0, 0.0});
+  for (const double yaw : {-1.2, -0.4, 1.4}) look(planner, 3, {0.3, -1.0, yaw});
+  const CameraPlan plan = look(planner, 3, {0.3, -1.0, 0.7});
+  ASSERT_EQ(plan.status, Status::kFound);
+  EXPECT_TRUE(plan.reaches_goal);
+  EXPECT_LT(lengthOf(plan.path), 4.0);  // 3 m, and what it keeps off the doorway's edges
+}
+
 TEST_F(CameraPlannerTest, ThePersonIsNoObstacle) {
   world_.box(3.0, -0.25, 3.3, 0.25);
   CameraPlanner planner(CameraPlannerParams{}, kBody);
