@@ -213,16 +213,14 @@ struct DepthGap::Impl {
         use_geometry ? memory.recall(view.stamp, view.odom_from_base, *rays) : std::vector<DepthAnchor>();
     const cv::Mat expected =
         use_geometry ? mendedBy(remembered, fittedInverse(frame.inverse, filter.fit())) : cv::Mat();
-    const std::vector<DepthAnchor> points = voAnchors(view, *rays, params.vo_scale_sigma);
-    std::vector<DepthAnchor> anchors = points;
+    std::vector<DepthAnchor> anchors = voAnchors(view, *rays, params.vo_scale_sigma);
+    if (use_geometry && !agrees(anchors, expected)) distrust(anchors);
+    const std::vector<DepthAnchor> points = use_geometry ? agreedOn(anchors) : std::vector<DepthAnchor>();
     cv::Mat evidence = lookForFloor(small, probability, expected);
-    cv::Mat standing;
-    if (use_geometry) {
-      standing = findStanding(points, *rays, params.scan.max_height_m);
-      confirmFloor(points, *rays, evidence);
-      denyFloor(standing, evidence);
-      append(standingAnchors(standing), anchors);
-    }
+    const cv::Mat standing = findStanding(points, *rays, params.scan.max_height_m);
+    confirmFloor(points, *rays, evidence);
+    denyFloor(standing, evidence);
+    append(standingAnchors(standing), anchors);
     fitMetres(view, floorBefore(evidence, expected), frame);
     const cv::Mat fitted = fittedInverse(frame.inverse, frame.fit);
     frame.contacts = findFloorContacts(evidence, use_geometry ? mendedBy(anchors, fitted) : cv::Mat(), *rays,
@@ -235,7 +233,7 @@ struct DepthGap::Impl {
     }
     cv::Mat sigma;
     cv::Mat mended = mend(anchors, fitted, sigma);
-    if (use_geometry && !mended.empty()) mended = cv::max(mended, kScatter * standing);
+    if (!mended.empty()) mended = cv::max(mended, kScatter * standing);
     if (!mended.empty()) frame.depth_m = depthOf(mended, frame);
     if (use_geometry) memory.update(view.stamp, view.odom_from_base, *rays, frame.contacts);
     frame.surfaces = findSurfaces(mended, sigma, frame.contacts, *rays, params.scan);

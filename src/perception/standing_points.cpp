@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 namespace frugal_nav {
 namespace {
 
 constexpr double kSure = 5.0;  // evidence of a network that is as sure as one is ever taken to be
-
-bool isAgreedOn(const DepthAnchor& point) { return point.unseen_gate > 0.0; }
 
 struct Height {
   double value_m;
@@ -24,8 +23,7 @@ std::optional<Height> heightOf(const DepthAnchor& point, const ViewRays& rays) {
   return Height{rays.cameraHeight_m() + rise, point.relative_sigma * std::abs(rise)};
 }
 
-/// Points, several agreeing, that surely lie over the floor, and low enough for the robot; from left to
-/// right.
+/// Points that surely lie over the floor, and low enough for the robot; from left to right.
 std::vector<DepthAnchor> pointsOverFloor(const std::vector<DepthAnchor>& points, const ViewRays& rays,
                                          double max_height_m) {
   constexpr double kLeastHeight_m = 0.05;
@@ -34,7 +32,7 @@ std::vector<DepthAnchor> pointsOverFloor(const std::vector<DepthAnchor>& points,
     const std::optional<Height> height = heightOf(point, rays);
     const bool is_over =
         height && height->value_m - 2.0 * height->sigma_m > kLeastHeight_m && height->value_m < max_height_m;
-    if (is_over && isAgreedOn(point)) over.push_back(point);
+    if (is_over) over.push_back(point);
   }
   std::sort(over.begin(), over.end(),
             [](const DepthAnchor& a, const DepthAnchor& b) { return a.cell.x < b.cell.x; });
@@ -58,6 +56,33 @@ void markBelow(const DepthAnchor& left, const DepthAnchor& right, const ViewRays
 bool isAsFar(const DepthAnchor& a, const DepthAnchor& b) {
   constexpr double kSameDepth = 0.1;  // as a share of it
   return std::abs(a.inverse_depth_pm / b.inverse_depth_pm - 1.0) <= kSameDepth;
+}
+
+bool agrees(const std::vector<DepthAnchor>& points, const cv::Mat& expected_pm) {
+  constexpr double kMostOff = 0.25;  // median, logarithm: twice what the network errs by
+  const cv::Rect grid(cv::Point(), expected_pm.size());
+  std::vector<double> off;
+  for (const DepthAnchor& point : points) {
+    const cv::Point cell(cvRound(point.cell.x), cvRound(point.cell.y));
+    if (!grid.contains(cell)) continue;
+    const auto expected = static_cast<double>(expected_pm.at<float>(cell));
+    off.push_back(std::abs(std::log(point.inverse_depth_pm / expected)));
+  }
+  if (off.empty()) return false;
+  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+  std::nth_element(off.begin(), middle, off.end());
+  return *middle < kMostOff;
+}
+
+void distrust(std::vector<DepthAnchor>& points) {
+  for (DepthAnchor& point : points) point.unseen_gate = 0.0;
+}
+
+std::vector<DepthAnchor> agreedOn(const std::vector<DepthAnchor>& points) {
+  std::vector<DepthAnchor> agreed;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(agreed),
+               [](const DepthAnchor& point) { return point.unseen_gate > 0.0; });
+  return agreed;
 }
 
 cv::Mat findStanding(const std::vector<DepthAnchor>& points, const ViewRays& rays, double max_height_m) {
@@ -84,7 +109,7 @@ void confirmFloor(const std::vector<DepthAnchor>& points, const ViewRays& rays, 
   for (const DepthAnchor& point : points) {
     const std::optional<Height> height = heightOf(point, rays);
     const bool is_flat = height && std::abs(height->value_m) + height->sigma_m < kFlat_m;
-    if (!is_flat || !isAgreedOn(point)) continue;
+    if (!is_flat) continue;
     cv::Mat around = evidence(cv::Rect(cvRound(point.cell.x) - 1, cvRound(point.cell.y) - 1, 3, 3) & grid);
     around.setTo(kSure, around < kSure);
   }

@@ -38,7 +38,7 @@ struct MetricFitParams {
   double process_shift_pm = 0.03;
   double jump_sigma = 4.0;
   int jumps_to_reset = 3;
-  double max_age_s = 20.0;
+  double max_age_s = 2.0;
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -67,7 +67,8 @@ struct MetricFitParams {
     visit("jump_sigma", jump_sigma, Field{"", "a fit farther off than this is a jump", 1.0, 100.0});
     visit("jumps_to_reset", jumps_to_reset,
           Field{"", "jumps in a row that are believed; fewer are left out", 1, 100});
-    visit("max_age_s", max_age_s, Field{"s", "a fit that nothing has renewed is forgotten", 0.1, 3600.0});
+    visit("max_age_s", max_age_s,
+          Field{"s", "a fit that nothing has renewed is forgotten: by then it errs by 14 %", 0.1, 3600.0});
   }
 };
 

@@ -125,6 +125,23 @@ TEST_F(DepthGapLook, PointsShowWhatTheNetworkDoesNotSee) {
   EXPECT_NEAR(frame.depth_m.at<float>(60, 40), 2.6F, 0.15F);
 }
 
+TEST_F(DepthGapLook, PointsOfAWrongScaleShowNothing) {
+  flat_.boards.clear();
+  flat_.wall_x_m = 2.6;
+  look();
+  addPoints(4);
+  // Visual odometry that takes the robot's way for a third of what it was.
+  for (MetricPoint& point : view_.points) {
+    const Eigen::Vector3d eye = view_.base_from_optical.translation();
+    point.p_odom = eye + (point.p_odom - eye) / 3.0;
+  }
+  DepthFrame frame;
+  for (int i = 0; i < 3; ++i) frame = look();
+  EXPECT_NEAR(frame.depth_m.at<float>(60, 80), 2.6F, 0.3F);
+  EXPECT_EQ(frame.floor.at<uchar>(100, 80), 255);
+  EXPECT_GT(frame.obstacle.found ? frame.obstacle.distance_m : 9.0, 2.0);
+}
+
 TEST_F(DepthGapLook, PointsOnTheFloorKeepItFloor) {
   addPoints(3);
   // The network takes the floor before the board for the board's lower part.
