@@ -4,6 +4,18 @@
 #include <frugal_nav/common/laser_scan.hpp>
 
 namespace frugal_nav {
+namespace {
+
+/// Whether any range of a scan is of one of these kinds.
+template <class... Kinds>
+bool hasAny(const LaserScan& scan, Kinds... kinds) {
+  return std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(), [&](float range) {
+    const Return kind = classify(scan, range);
+    return ((kind == kinds) || ...);
+  });
+}
+
+}  // namespace
 
 std::optional<std::string> findFault(const LaserScan& scan) {
   if (scan.ranges_m.empty()) return "the scan is empty";
@@ -17,20 +29,17 @@ std::optional<std::string> findFault(const LaserScan& scan) {
   if (!(scan.range_min_m >= 0.0) || !(scan.range_max_m > scan.range_min_m)) {
     return "range_min and range_max are not 0 <= min < max";
   }
-  const bool any_known = std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(), [&scan](float range) {
-    return classify(scan, range) != Return::kUnknown;
-  });
-  if (!any_known) return "every range is NaN or beyond range_max";
-  return std::nullopt;
+  if (hasAny(scan, Return::kHit, Return::kFree)) return std::nullopt;
+  if (hasAny(scan, Return::kTooClose)) {
+    return "every range is below range_min: the laser is covered, or its driver sends zeros for failed "
+           "echoes";
+  }
+  return "every range is NaN or beyond range_max";
 }
 
 std::optional<std::string> findFault(const LaserScan& scan, const ScanRules& rules) {
   if (const auto fault = findFault(scan)) return fault;
-  const auto counts = [&](float range) {
-    const Return kind = classify(scan, range);
-    return kind == Return::kHit || kind == Return::kTooClose;
-  };
-  if (rules.require_return && std::none_of(scan.ranges_m.begin(), scan.ranges_m.end(), counts)) {
+  if (rules.require_return && !hasAny(scan, Return::kHit, Return::kTooClose)) {
     return "it has no return at all: the laser is covered, or the place larger than its range (then set "
            "scan/require_return to false)";
   }
@@ -45,15 +54,19 @@ LaserScan readBy(const ScanRules& rules, LaserScan scan) {
   return scan;
 }
 
+std::optional<Eigen::Vector2d> obstacleAt(const LaserScan& scan, std::size_t beam) {
+  const Return kind = classify(scan, scan.ranges_m[beam]);
+  if (kind != Return::kHit && kind != Return::kTooClose) return std::nullopt;
+  const double range = kind == Return::kHit ? static_cast<double>(scan.ranges_m[beam]) : scan.range_min_m;
+  const double angle = scan.angleOf(beam);
+  return Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle));
+}
+
 std::vector<Eigen::Vector2d> obstaclePoints(const LaserScan& scan, const Pose2& base_from_laser) {
   std::vector<Eigen::Vector2d> points;
   points.reserve(scan.ranges_m.size());
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    const Return kind = classify(scan, scan.ranges_m[i]);
-    if (kind != Return::kHit && kind != Return::kTooClose) continue;
-    const double range = kind == Return::kHit ? static_cast<double>(scan.ranges_m[i]) : scan.range_min_m;
-    const double angle = scan.angleOf(i);
-    points.push_back(base_from_laser * Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle)));
+    if (const auto p_laser = obstacleAt(scan, i)) points.push_back(base_from_laser * *p_laser);
   }
   return points;
 }

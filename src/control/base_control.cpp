@@ -49,7 +49,8 @@ BaseControl::BaseControl(const BaseControlParams& params, const BaseGeometry& ge
       follower_(params.path),
       limiter_(params.limits, geometry.wheel_separation_m),
       guard_(params.guard, geometry.footprint),
-      depth_(params.depth) {
+      depth_(params.depth),
+      near_(params.near) {
   setParams(params);
 }
 
@@ -57,6 +58,7 @@ void BaseControl::setParams(const BaseControlParams& params) {
   validate(params, "base control");
   params_ = params;
   depth_.setParams(params.depth);
+  near_.setParams(params.near);
   waypoint_ = WaypointController(params.waypoint);
   follower_ = PathFollower(params.path);
   limiter_ = VelocityLimiter(params.limits, geometry_.wheel_separation_m);
@@ -81,6 +83,7 @@ void BaseControl::reset() {
   goal_since_ = {};
   p_base_at_scan_.clear();
   depth_.clear();
+  near_.clear();
   obstacle_ = {};
   refused_.clear();
   last_now_.reset();
@@ -248,6 +251,9 @@ std::optional<std::vector<Eigen::Vector2d>> BaseControl::obstaclesAt(Stamp now,
     if (!at_scan) return std::nullopt;
     const Pose2 now_from_scan = odom_from_base.inverse() * at_scan->odom_from_base;
     for (const Eigen::Vector2d& p : p_base_at_scan_) p_base.push_back(now_from_scan * p);
+  }
+  for (const Eigen::Vector2d& p : near_.pointsAt(now, odom_from_base)) {
+    if (guard_.clearance(p) > -params_.near.tolerance_m) p_base.push_back(p);
   }
   for (const Eigen::Vector2d& p : depth_.pointsAt(now, odom_from_base)) {
     if (guard_.clearance(p) > 0.0) p_base.push_back(p);  // inside: its place is known to a few centimetres

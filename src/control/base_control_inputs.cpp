@@ -105,12 +105,23 @@ bool BaseControl::setScan(const LaserScan& as_sent, const Pose2& base_from_laser
   const LaserScan scan = readBy(params_.scan, as_sent);
   if (!accept("scan", scan.stamp, findFault(scan, params_.scan))) return false;
   scan_stamp_ = scan.stamp;
-  p_base_at_scan_.clear();
-  for (const Eigen::Vector2d& p : obstaclePoints(scan, base_from_laser)) {
-    if (guard_.clearance(p) > 0.0) p_base_at_scan_.push_back(p);  // inside: parts of the robot itself
-  }
+  const LaserScan of_others = withoutOwnParts(scan, base_from_laser);
+  p_base_at_scan_ = obstaclePoints(of_others, base_from_laser);
+  const std::optional<Odometry> odometry = odometry_.predictedAt(scan.stamp);
+  if (odometry) near_.add(of_others, base_from_laser, odometry->odom_from_base);
   blind_.add(scan, base_from_laser);
   return true;
+}
+
+/// A scan whose returns from within the footprint, which are parts of the robot itself, say nothing.
+LaserScan BaseControl::withoutOwnParts(LaserScan scan, const Pose2& base_from_laser) const {
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const auto p_laser = obstacleAt(scan, i);
+    if (p_laser && guard_.clearance(base_from_laser * *p_laser) <= 0.0) {
+      scan.ranges_m[i] = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  return scan;
 }
 
 bool BaseControl::setLocalCommand(const MotionCommand& command) {
@@ -140,7 +151,7 @@ bool BaseControl::setDepthScan(const LaserScan& scan) {
   has_depth_ = true;
   if (!accept("depth/scan", scan.stamp, depthFault(scan))) return false;
   const std::optional<Odometry> odometry = odometry_.predictedAt(scan.stamp);
-  if (odometry) depth_.add(scan, odometry->odom_from_base);
+  if (odometry) depth_.add(scan, {}, odometry->odom_from_base);
   return true;
 }
 

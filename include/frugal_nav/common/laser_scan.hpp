@@ -70,8 +70,11 @@ std::optional<std::string> findFault(const LaserScan& scan, const ScanRules& rul
 /// The scan as it is to be read by the rules: +inf becomes NaN where it says nothing.
 LaserScan readBy(const ScanRules& rules, LaserScan scan);
 
-/// The hits and too-close returns of a scan as points in the base's frame [m]; too-close ones lie at
-/// range_min.
+/// Where a beam's hit or too-close return lies in the sensor's frame [m], a too-close one at range_min;
+/// nullopt when it has neither.
+std::optional<Eigen::Vector2d> obstacleAt(const LaserScan& scan, std::size_t beam);
+
+/// obstacleAt() of all beams, in the base's frame [m].
 std::vector<Eigen::Vector2d> obstaclePoints(const LaserScan& scan, const Pose2& base_from_laser);
 
 }  // namespace frugal_nav

@@ -14,8 +14,8 @@
 #include <frugal_nav/common/params.hpp>
 #include <frugal_nav/control/blind_watch.hpp>
 #include <frugal_nav/control/collision_guard.hpp>
-#include <frugal_nav/control/depth_memory.hpp>
 #include <frugal_nav/control/path_follower.hpp>
+#include <frugal_nav/control/scan_memory.hpp>
 #include <frugal_nav/control/velocity_limiter.hpp>
 #include <frugal_nav/control/watchdog.hpp>
 #include <frugal_nav/control/waypoint_controller.hpp>
@@ -80,7 +80,8 @@ struct BaseControlParams {
   PlausibleCommands plausible;
   VelocityLimits limits;
   CollisionGuardParams guard;
-  DepthMemoryParams depth;
+  ScanMemoryParams depth;
+  ScanMemoryParams near = ScanMemoryParams::ofLaser();
   WaypointParams waypoint;
   PathFollowerParams path;
 
@@ -108,6 +109,7 @@ struct BaseControlParams {
     visit("limits", limits);
     visit("guard", guard);
     visit("depth", depth);
+    visit("near", near);
     visit("waypoint", waypoint);
     visit("path", path);
   }
@@ -178,6 +180,8 @@ class BaseControl {
   void setParams(const BaseControlParams& params);
   /// Mode of the last mission state; kIdle before.
   Mode mode() const { return mission_.mode; }
+  /// The base's outline in base_link.
+  const Polygon2& footprint() const { return geometry_.footprint; }
   /// How often time jumped back.
   std::uint64_t timeJumps() const { return time_jumps_; }
 
@@ -194,6 +198,7 @@ class BaseControl {
   BaseCommand restrict(const BaseCommand& command, Stamp now, const Odometry& odometry);
   std::optional<std::vector<Eigen::Vector2d>> obstaclesAt(Stamp now, const Pose2& odom_from_base) const;
   void addNearest(Stamp now, const Pose2& odom_from_base, std::vector<Eigen::Vector2d>& p_base) const;
+  LaserScan withoutOwnParts(LaserScan scan, const Pose2& base_from_laser) const;
   bool isBlind(double v_mps) const;
 
   BaseControlParams params_;
@@ -216,7 +221,8 @@ class BaseControl {
   std::vector<Eigen::Vector2d> p_base_at_scan_;
   bool has_scanner_ = false;
   NearestObstacle obstacle_;
-  DepthMemory depth_;
+  ScanMemory depth_;
+  ScanMemory near_;  // of scan: what is too near to measure, or out of its view
   bool has_depth_ = false;
 
   std::optional<Stamp> last_now_;

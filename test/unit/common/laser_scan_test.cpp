@@ -89,6 +89,14 @@ TEST(LaserScan, NamesItsFault) {
   scan.ranges_m[7] = 13.0F;  // beyond range_max says nothing either
   expectFault(scan, "NaN");
 
+  scan.ranges_m.assign(360, 0.0F);
+  expectFault(scan, "below range_min");
+  scan.ranges_m.assign(360, -kInf);
+  scan.ranges_m[7] = kNan;
+  expectFault(scan, "below range_min");
+  scan.ranges_m[8] = 0.2F;
+  EXPECT_FALSE(findFault(scan).has_value()) << "one measured range shows that the laser works";
+
   scan = soundScan();
   scan.angle_increment_rad = 0.0;
   expectFault(scan, "angle_increment");

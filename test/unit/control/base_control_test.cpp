@@ -594,6 +594,43 @@ TEST(BaseControl, TheRobotsOwnPartsDoNotStopIt) {
   EXPECT_NEAR(command.velocity.v_mps, -0.1, 1e-9);
 }
 
+/// What a laser sees of a round post, and of a wall far to its right.
+LaserScan scanOfPost(Stamp stamp, const Eigen::Vector2d& p_laser, double radius_m) {
+  LaserScan scan = openScan(stamp);
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const Eigen::Vector2d beam(std::cos(scan.angleOf(i)), std::sin(scan.angleOf(i)));
+    const double along_m = beam.dot(p_laser);
+    const double half_m2 = radius_m * radius_m - (p_laser.squaredNorm() - along_m * along_m);
+    if (along_m < 0.0 || half_m2 < 0.0) continue;
+    const double range_m = along_m - std::sqrt(half_m2);
+    scan.ranges_m[i] =
+        range_m < scan.range_min_m ? -std::numeric_limits<float>::infinity() : static_cast<float>(range_m);
+  }
+  return scan;
+}
+
+// Beside the laser the post is nearer than 0.15 m, where a too-close beam puts it: 14 mm behind its surface.
+TEST(BaseControl, DoesNotTurnIntoAPostTooNearToMeasure) {
+  constexpr double kRadius_m = 0.02;
+  const Eigen::Vector2d post(0.5, 0.125 + 0.011 + kRadius_m);
+  const Pose2 base_from_laser{0.02, 0.0, 0.0};
+  const CollisionGuard body({}, kGeometry.footprint);
+  Bench bench(Mode::kManual);
+  bench.scan_on = false;
+  bench.manual = {0.08, 0.0};
+  double nearest_m = 1.0;
+  for (int i = 0; i < 600; ++i) {
+    const Pose2& pose = bench.odometry.odom_from_base;
+    const Pose2 laser_from_odom = (pose * base_from_laser).inverse();
+    bench.control.setScan(scanOfPost(bench.now, laser_from_odom * post, kRadius_m), base_from_laser);
+    bench.step();
+    nearest_m = std::min(nearest_m, body.clearance(pose.inverse() * post) - kRadius_m);
+    if (pose.x_m > 0.44) bench.manual = {0.02, 0.3};
+  }
+  EXPECT_GT(bench.odometry.odom_from_base.x_m, 0.44) << "it did not even come beside the post";
+  EXPECT_GT(nearest_m, 0.005);
+}
+
 TEST(BaseControl, NewParametersHoldFromTheNextCycle) {
   Bench bench(Mode::kManual);
   bench.manual = {0.3, 0.0};

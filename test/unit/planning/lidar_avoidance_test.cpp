@@ -1,5 +1,11 @@
 #include "flat_world.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include <frugal_nav/planning/corridor.hpp>
@@ -121,6 +127,59 @@ TEST_F(LidarAvoidanceTest, NamesBadInputs) {
   avoidance.setGoal(Pose2{std::nan(""), 0.0, 0.0});
   EXPECT_EQ(update({}).reason, "the goal is not finite");
 }
+
+class LidarAvoidanceMethod : public LidarAvoidanceTest, public testing::WithParamInterface<const char*> {
+ protected:
+  void SetUp() override {
+    params.method = GetParam();
+    avoidance = LidarAvoidance(params, kBody);
+    avoidance.setGoal(Pose2{3.0, 0.0, 0.0});
+    avoidance.setPath(stampFromSeconds(0.0), pathThrough({{0, 0}, {3, 0}}));
+  }
+  /// Drives, stops for the reason when a scan is spoilt, and drives on with the next.
+  void expectStop(const std::string& reason, const std::function<void(LaserScan&)>& spoil) {
+    ASSERT_EQ(update({}).status, Status::kDriving) << "before: " << reason;
+    LaserScan scan = world.scan({});
+    spoil(scan);
+    const MotionCommand command = avoidance.update(scan, {}, odometryAt({}));
+    EXPECT_EQ(command.status, Status::kStopped);
+    EXPECT_EQ(command.holds, Holds::kNothing);
+    EXPECT_TRUE(command.velocity.isZero());
+    EXPECT_NE(command.reason.find(reason), std::string::npos) << command.reason;
+    EXPECT_EQ(update({}).status, Status::kDriving) << "after: " << reason;
+  }
+};
+
+TEST_P(LidarAvoidanceMethod, StopsForABadScanAndDrivesOnAfterIt) {
+  const auto all = [](float range) {
+    return [range](LaserScan& scan) { std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), range); };
+  };
+  expectStop("NaN", all(std::nanf("")));
+  expectStop("below range_min", all(0.0F));
+  expectStop("empty", [](LaserScan& scan) { scan.ranges_m.clear(); });
+  expectStop("angle_increment is zero", [](LaserScan& scan) { scan.angle_increment_rad = 0.0; });
+  expectStop("more than 360", [](LaserScan& scan) { scan.angle_increment_rad *= 3.0; });
+  expectStop("not finite", [](LaserScan& scan) { scan.angle_min_rad = std::nan(""); });
+}
+
+TEST_P(LidarAvoidanceMethod, AScanWithoutReturnsIsOpenSpace) {
+  LaserScan scan = world.scan({});
+  std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), std::numeric_limits<float>::infinity());
+  EXPECT_EQ(avoidance.update(scan, {}, odometryAt({})).status, Status::kDriving) << "by REP 117";
+}
+
+TEST_P(LidarAvoidanceMethod, AGoalInAnObstacleIsABlockedWayUntilThereIsAnother) {
+  ASSERT_EQ(update({}).status, Status::kDriving);
+  avoidance.setPath(stampFromSeconds(0.0), {});  // what the planner has for it
+  const MotionCommand command = update({});
+  EXPECT_EQ(command.status, Status::kBlocked);
+  EXPECT_EQ(command.holds, Holds::kNothing);
+  EXPECT_NE(command.reason, "");
+  avoidance.setPath(stampFromSeconds(0.0), pathThrough({{0, 0}, {3, 0}}));
+  EXPECT_EQ(update({}).status, Status::kDriving);
+}
+INSTANTIATE_TEST_SUITE_P(Methods, LidarAvoidanceMethod,
+                         testing::Values("sectors", "vfh_plus", "vfh_star", "dwa"));
 
 TEST_F(LidarAvoidanceTest, ResetForgetsThePath) {
   avoidance.setGoal(Pose2{3.0, 0.0, 0.0});
