@@ -141,8 +141,10 @@ TEST(ScanMemory, SeesFromTheSensorsPlace) {
   ASSERT_EQ(points.size(), 1U);
   EXPECT_NEAR(points[0].x(), 0.1, 1e-6);
   EXPECT_NEAR(points[0].y(), 0.2, 1e-6);
-  memory.add(turn(0.1), base_from_laser, {});
-  EXPECT_TRUE(seenAt(memory, 0.1).empty());
+  LaserScan ahead_only = turn(0.1, std::nanf(""));
+  for (std::size_t beam = 170; beam <= 190; ++beam) ahead_only.ranges_m[beam] = 2.0F;
+  memory.add(ahead_only, base_from_laser, {});
+  EXPECT_TRUE(seenAt(memory, 0.1).empty()) << "its laser sees past it straight ahead";
 }
 
 TEST(ScanMemory, NamesAParameterOutOfItsRange) {
