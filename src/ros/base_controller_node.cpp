@@ -5,6 +5,7 @@
 #include <frugal_nav/ros/base_controller_node.hpp>
 #include <frugal_nav/ros/conversions.hpp>
 #include <frugal_nav/ros/parameters.hpp>
+#include <frugal_nav/ros/planning_markers.hpp>
 
 namespace frugal_nav {
 namespace {
@@ -49,6 +50,7 @@ BaseControllerNode::BaseControllerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
       sensors_(params_.base_frame) {
   cmd_vel_pub_ = nh.advertise<geometry_msgs::Twist>("cmd_vel", 10);
   cmd_vel_stamped_pub_ = nh.advertise<geometry_msgs::TwistStamped>("cmd_vel_stamped", 10);
+  markers_pub_ = nh.advertise<visualization_msgs::MarkerArray>("base_controller/markers", 5);
   // Small messages in a control loop: Nagle's algorithm would hold them back for tens of milliseconds.
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   using Node = BaseControllerNode;
@@ -113,7 +115,10 @@ void BaseControllerNode::onOdometry(const nav_msgs::Odometry& msg) {
 void BaseControllerNode::onScan(const sensor_msgs::LaserScan& msg) {
   scan_stamp_ = toStamp(msg.header.stamp);
   const std::variant<Pose2, std::string> laser = sensors_.laser(msg.header.frame_id);
-  if (const auto* base_from_laser = std::get_if<Pose2>(&laser)) {
+  if (const auto fault = findAngleFault(msg)) {
+    control_.refuse("scan", *fault);
+    note("scan", false, scan_stamp_);
+  } else if (const auto* base_from_laser = std::get_if<Pose2>(&laser)) {
     note("scan", control_.setScan(fromRos(msg), *base_from_laser), scan_stamp_);
   } else {
     control_.refuse("scan", std::get<std::string>(laser));
@@ -237,6 +242,7 @@ void BaseControllerNode::cycle() {
   }
   publish(command.velocity, stamp_);
   report(command);
+  show(command);
   last_ = command;
 }
 
@@ -266,6 +272,11 @@ void BaseControllerNode::report(const BaseCommand& command) {
   diagnostics_.set("source", nameOf(command.source));
   diagnostics_.set("collision stop leaves", command.guard_share);
   diagnostics_.set("time jumps", static_cast<double>(control_.timeJumps()));
+}
+
+void BaseControllerNode::show(const BaseCommand& command) const {
+  if (markers_pub_.getNumSubscribers() == 0) return;
+  markers_pub_.publish(barrierMarkers(command, stamp_, control_.footprint(), params_.base_frame));
 }
 
 void BaseControllerNodelet::onInit() {

@@ -88,6 +88,17 @@ LaserScan fromRos(const sensor_msgs::LaserScan& msg) {
   return scan;
 }
 
+std::optional<std::string> findAngleFault(const sensor_msgs::LaserScan& msg) {
+  if (msg.ranges.empty()) return std::nullopt;  // which is a fault of its own
+  const double swept_rad =
+      static_cast<double>(msg.angle_increment) * static_cast<double>(msg.ranges.size() - 1);
+  const double said_rad = static_cast<double>(msg.angle_max) - static_cast<double>(msg.angle_min);
+  const double allowed_rad =
+      2.0 * std::abs(static_cast<double>(msg.angle_increment)) + 0.05 * std::abs(said_rad);
+  if (std::abs(swept_rad - said_rad) <= allowed_rad) return std::nullopt;
+  return "angle_increment and the number of ranges do not lead from angle_min to angle_max";
+}
+
 sensor_msgs::LaserScan toRos(const LaserScan& scan, const std::string& frame) {
   sensor_msgs::LaserScan msg;
   msg.header.stamp = toRos(scan.stamp);

@@ -43,6 +43,12 @@ geometry_msgs::Point polar(double bearing_rad, double range_m) {
   return point(range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad));
 }
 
+std_msgs::ColorRGBA barrierColor(const BaseCommand& command) {
+  if (command.reason == BaseCommand::Reason::kIdle) return color(0.4F, 0.4F, 0.4F, 0.9F);
+  if (command.reason != BaseCommand::Reason::kNone) return color(0.9F, 0.2F, 0.15F, 0.9F);
+  return command.guard_share < 1.0 ? color(0.9F, 0.6F, 0.1F, 0.9F) : color(0.1F, 0.7F, 0.3F, 0.9F);
+}
+
 /// A marker that has nothing to show takes its predecessor away.
 void removeWhenEmpty(Marker& m) {
   if (m.points.empty()) m.action = Marker::DELETE;
@@ -136,6 +142,27 @@ visualization_msgs::MarkerArray sectorMarkers(const SectorAvoidance::Decision& d
   if (command.holds != MotionCommand::Holds::kTarget) target.action = Marker::DELETE;
   visualization_msgs::MarkerArray array;
   array.markers = {ring, target};
+  return array;
+}
+
+visualization_msgs::MarkerArray barrierMarkers(const BaseCommand& command, Stamp stamp,
+                                               const Polygon2& footprint, const std::string& base_frame) {
+  Marker outline = marker("barrier", Marker::LINE_STRIP, base_frame, stamp);
+  outline.scale.x = 0.02;
+  outline.color = barrierColor(command);
+  for (std::size_t i = 0; i <= footprint.size(); ++i) {
+    const Eigen::Vector2d& corner = footprint[i % footprint.size()];
+    outline.points.push_back(point(corner.x(), corner.y()));
+  }
+  Marker reason = marker("barrier_reason", Marker::TEXT_VIEW_FACING, base_frame, stamp);
+  reason.scale.z = 0.12;
+  reason.pose.position.z = 0.5;
+  reason.color = outline.color;
+  reason.text = command.text;
+  if (command.text.empty() && command.guard_share < 1.0) reason.text = "slowed for an obstacle";
+  if (reason.text.empty()) reason.action = Marker::DELETE;
+  visualization_msgs::MarkerArray array;
+  array.markers = {outline, reason};
   return array;
 }
 

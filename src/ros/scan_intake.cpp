@@ -40,7 +40,9 @@ void ScanIntake::onScan(const sensor_msgs::LaserScan& msg) {
   pending.posed.scan = readBy(rules_, fromRos(msg));
   pending.posed.frame = msg.header.frame_id;
   pending.since = ros::Time::now();
-  if (const auto fault = findFault(pending.posed.scan, rules_)) {
+  std::optional<std::string> fault = findFault(pending.posed.scan, rules_);
+  if (!fault) fault = findAngleFault(msg);
+  if (fault) {
     pending.posed.fault = *fault;
     diagnostics_.input("scan").refused(*fault);
   }

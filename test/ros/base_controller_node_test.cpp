@@ -16,6 +16,7 @@
 #include <sys/wait.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <unistd.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <frugal_nav/LocalCommand.h>
 #include <frugal_nav/MissionState.h>
@@ -69,6 +70,7 @@ class Graph {
     scan_msg.header.frame_id = "laser";
     scan_msg.angle_min = static_cast<float>(-M_PI);
     scan_msg.angle_increment = static_cast<float>(2.0 * M_PI / 360.0);
+    scan_msg.angle_max = scan_msg.angle_min + 359 * scan_msg.angle_increment;
     scan_msg.range_min = 0.15F;
     scan_msg.range_max = 12.0F;
     scan_msg.ranges.assign(360, std::numeric_limits<float>::infinity());
@@ -381,11 +383,43 @@ TEST_F(BaseControllerNodeTest, AnObstacleAheadStopsIt) {
   EXPECT_TRUE(graph_->becomesZero());
 }
 
+TEST_F(BaseControllerNodeTest, ShowsWhatTheBarrierDoesToListeners) {
+  test::Recorder<visualization_msgs::MarkerArray> markers(nh_, "base_controller/markers");
+  ASSERT_TRUE(markers.waitForPublisher());
+  const auto shows = [&](bool red) {
+    return waitUntil([&] {
+      if (markers.messages.empty()) return false;
+      const visualization_msgs::Marker& outline = markers.messages.back().markers.front();
+      return (outline.color.r > outline.color.g) == red;
+    });
+  };
+  ASSERT_NO_FATAL_FAILURE(driveIn(MissionState::MODE_MANUAL));
+  ASSERT_TRUE(shows(false));
+  const visualization_msgs::Marker& outline = markers.messages.back().markers.front();
+  EXPECT_EQ(outline.header.frame_id, "base_link");
+  ASSERT_EQ(outline.points.size(), 5U) << "a closed rectangle";
+  EXPECT_EQ(outline.points[0], outline.points[4]);
+  for (std::size_t i = 170; i < 190; ++i) graph_->scan_msg.ranges[i] = 0.16F;
+  graph_->odom_twist.linear.x = 0.5;
+  ASSERT_NO_FATAL_FAILURE(graph_->steps(2));
+  ASSERT_TRUE(shows(true));
+  EXPECT_THAT(markers.messages.back().markers[1].text, HasSubstr("collision stop"));
+}
+
 TEST_F(BaseControllerNodeTest, AScanInAnUnknownFrameStopsItAtOnce) {
   ASSERT_NO_FATAL_FAILURE(driveIn(MissionState::MODE_LIDAR));
   graph_->scan_msg.header.frame_id = "nowhere";
   ASSERT_NO_FATAL_FAILURE(graph_->steps(2));  // not only by its time-out, 0.5 s later
   EXPECT_TRUE(graph_->becomesZero());
+}
+
+TEST_F(BaseControllerNodeTest, AScanWithHalfItsAngleIncrementStopsIt) {
+  ASSERT_NO_FATAL_FAILURE(driveIn(MissionState::MODE_LIDAR));
+  graph_->scan_msg.angle_increment *= 0.5F;  // an obstacle straight ahead would seem to be on the right
+  ASSERT_NO_FATAL_FAILURE(graph_->steps(2));
+  EXPECT_TRUE(graph_->becomesZero());
+  graph_->scan_msg.angle_increment *= 2.0F;
+  EXPECT_TRUE(drivesAgain());
 }
 
 TEST_F(BaseControllerNodeTest, ALaserThatIsNotLevelStopsIt) {

@@ -13,6 +13,9 @@ using testing::HasSubstr;
 
 class LidarAvoidanceNodeTest : public testing::Test {
  protected:
+  /// The method that drives, as the .test file has set it.
+  static std::string method() { return ros::param::param<std::string>("lidar_avoidance/method", "sectors"); }
+
   void SetUp() override {
     path_pub_ = graph_.nh.advertise<nav_msgs::Path>("path", 10);
     ASSERT_TRUE(graph_.connect("lidar_avoidance") && commands_.waitForPublisher() &&
@@ -95,6 +98,11 @@ TEST_F(LidarAvoidanceNodeTest, DrivesAlongThePath) {
   graph_.driveTo({4.0, 0.0, 0.0});
   ASSERT_TRUE(beatUntilDriving());
   const LocalCommand& command = commands_.messages.back();
+  if (method() != "sectors") {
+    EXPECT_EQ(command.holds, LocalCommand::HOLDS_VELOCITY);
+    EXPECT_GT(command.v_mps, 0.0);
+    return;
+  }
   EXPECT_EQ(command.holds, LocalCommand::HOLDS_TARGET);
   EXPECT_NEAR(command.target.position.x, 0.5, 1e-6);
   EXPECT_NEAR(command.target.position.y, 0.0, 1e-6);
@@ -158,10 +166,21 @@ TEST_F(LidarAvoidanceNodeTest, NamesWhatIsWrongWithAScan) {
   };
   graph_.beat();
   sensor_msgs::LaserScan scan = graph_.scan();
-  scan.ranges.assign(scan.ranges.size(), test::kNan);
+  const std::size_t beams = scan.ranges.size();
+  scan.ranges.assign(beams, test::kNan);
   expectStop(scan, "every range is NaN or beyond range_max");
   scan = graph_.scan();
-  scan.ranges.clear();
+  scan.ranges.assign(beams, 0.0F);
+  expectStop(scan,
+             "every range is below range_min: the laser is covered, or its driver sends zeros for failed "
+             "echoes");
+  scan = graph_.scan();
+  scan.ranges.assign(beams, std::numeric_limits<float>::infinity());
+  expectStop(scan,
+             "it has no return at all: the laser is covered, or the place larger than its range (then set "
+             "scan/require_return to false)");
+  scan = graph_.scan();
+  scan.intensities.swap(scan.ranges);
   expectStop(scan, "the scan is empty");
   scan = graph_.scan();
   scan.angle_increment = 0.0F;
@@ -169,6 +188,9 @@ TEST_F(LidarAvoidanceNodeTest, NamesWhatIsWrongWithAScan) {
   scan = graph_.scan();
   scan.angle_increment *= 3.0F;
   expectStop(scan, "the scan covers more than 360 degrees");
+  scan = graph_.scan();
+  scan.angle_increment *= 0.5F;
+  expectStop(scan, "angle_increment and the number of ranges do not lead from angle_min to angle_max");
   scan = graph_.scan();
   scan.header.frame_id = "nowhere";
   expectStop(scan, "no transform from base_link to nowhere");

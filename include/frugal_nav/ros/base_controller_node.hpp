@@ -64,6 +64,7 @@ class BaseControllerNode {
   void cycle();
   void publish(const Twist2& velocity, Stamp stamp);
   void report(const BaseCommand& command);
+  void show(const BaseCommand& command) const;
 
   BaseControllerNodeParams params_;
   BaseControl control_;
@@ -87,6 +88,7 @@ class BaseControllerNode {
 
   ros::Publisher cmd_vel_pub_;
   ros::Publisher cmd_vel_stamped_pub_;
+  ros::Publisher markers_pub_;
   std::vector<ros::Subscriber> subscribers_;
   ros::Timer timer_;
 };

@@ -45,6 +45,9 @@ std::optional<Pose2> planar(const geometry_msgs::Pose& pose);
 Twist2 planar(const geometry_msgs::Twist& twist);
 
 LaserScan fromRos(const sensor_msgs::LaserScan& msg);
+/// Why a scan's angles contradict each other: with a wrong increment it shows everything elsewhere. Up to two
+/// beams and five per cent are let pass, as drivers that count their beams anew in each turn need.
+std::optional<std::string> findAngleFault(const sensor_msgs::LaserScan& msg);
 sensor_msgs::LaserScan toRos(const LaserScan& scan, const std::string& frame);
 
 /// nullopt when the pose is not finite or its quaternion is none.

@@ -6,6 +6,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <frugal_nav/common/motion_command.hpp>
+#include <frugal_nav/control/base_control.hpp>
 #include <frugal_nav/planning/lidar_planner.hpp>
 #include <frugal_nav/planning/sector_avoidance.hpp>
 #include <frugal_nav/robot/robot_model.hpp>
@@ -26,5 +27,11 @@ visualization_msgs::MarkerArray planMarkers(const LidarPlan& plan, const std::op
 visualization_msgs::MarkerArray sectorMarkers(const SectorAvoidance::Decision& decision,
                                               const MotionCommand& command, const std::string& base_frame,
                                               const std::string& odom_frame);
+
+/// The footprint in the colour of what the safety barrier leaves of the command, with the reason beside it:
+/// green drives, orange slowed or turned aside by it, red stands for a fault or an obstacle, grey has no
+/// goal.
+visualization_msgs::MarkerArray barrierMarkers(const BaseCommand& command, Stamp stamp,
+                                               const Polygon2& footprint, const std::string& base_frame);
 
 }  // namespace frugal_nav
