@@ -121,6 +121,7 @@ CameraResult CameraStack::look(const Picture& picture) {
   result.stamp = picture.stamp;
   result.bgr = picture.bgr;
   result.odom_from_base = buffer_.at(picture.stamp)->odom_from_base;
+  const std::uint64_t runs_before = finder_.detector().counts().images;
   const double begin_ms = wallTime_ms();
   result.goal =
       finder_.look({picture.stamp, picture.bgr, camera_, base_from_optical_, result.odom_from_base});
@@ -144,6 +145,7 @@ CameraResult CameraStack::look(const Picture& picture) {
   nearest_ = result.depth.obstacle;
   finder_.addSurfaces(result.depth.scan);
   times_.detector_ms = found_ms - begin_ms;
+  times_.detector_runs = static_cast<int>(finder_.detector().counts().images - runs_before);
   times_.visual_ms = visual_ms - found_ms;
   times_.depth_ms = wallTime_ms() - visual_ms;
   return result;

@@ -65,6 +65,7 @@ struct CameraResult {
 /// Processor time of the stages of the last image, networks apart [ms].
 struct CameraStageTimes {
   double detector_ms = 0.0;  ///< the detector as a whole
+  int detector_runs = 0;     ///< of its network: more than one where it looked again, closer
   double visual_ms = 0.0;
   double depth_ms = 0.0;  ///< with its network
   double plan_ms = 0.0;   ///< planner, mission and base
