@@ -39,14 +39,24 @@ std::vector<DepthAnchor> pointsOverFloor(const std::vector<DepthAnchor>& points,
   return over;
 }
 
-/// Marks what lies between two points and below them, down to where the floor is at their depth.
-void markBelow(const DepthAnchor& left, const DepthAnchor& right, const ViewRays& rays, cv::Mat& standing) {
+/// Marks the row from which on something stands, in the columns from one point to another.
+void markTop(const DepthAnchor& left, const DepthAnchor& right, cv::Mat& standing) {
   const auto inverse = static_cast<float>(0.5 * (left.inverse_depth_pm + right.inverse_depth_pm));
+  const int row = cvRound(std::max(left.cell.y, right.cell.y));
   for (int column = cvRound(left.cell.x); column <= cvRound(right.cell.x); ++column) {
-    for (int row = cvRound(std::max(left.cell.y, right.cell.y)); row < standing.rows; ++row) {
-      if (rays.inverseFloorDepth(row, column) > inverse) break;
+    float& cell = standing.at<float>(row, column);
+    cell = std::max(cell, inverse);
+  }
+}
+
+/// Carries the marks down to where the floor is at their depth; of several the nearest.
+void fillDown(const ViewRays& rays, cv::Mat& standing) {
+  for (int column = 0; column < standing.cols; ++column) {
+    float nearest = 0.0F;
+    for (int row = 0; row < standing.rows; ++row) {
       float& cell = standing.at<float>(row, column);
-      cell = std::max(cell, inverse);
+      nearest = std::max(nearest, cell);
+      cell = rays.inverseFloorDepth(row, column) <= nearest ? nearest : 0.0F;
     }
   }
 }
@@ -93,9 +103,10 @@ cv::Mat findStanding(const std::vector<DepthAnchor>& points, const ViewRays& ray
   for (std::size_t i = 0; i < over.size(); ++i) {
     const double last_column = over[i].cell.x + kReach_m * over[i].inverse_depth_pm * cells_per_rad;
     for (std::size_t k = i + 1; k < over.size() && over[k].cell.x <= last_column; ++k) {
-      if (isAsFar(over[i], over[k])) markBelow(over[i], over[k], rays, standing);
+      if (isAsFar(over[i], over[k])) markTop(over[i], over[k], standing);
     }
   }
+  fillDown(rays, standing);
   return standing;
 }
 

@@ -14,8 +14,7 @@ struct DepthAnchor {
   double inverse_depth_pm = 0.0;  ///< [1/m]
   double relative_sigma = 0.0;    ///< standard deviation of the depth as a share of it
   double gate = 0.6;  ///< a fitted depth off by more (logarithm) is another surface's, or the anchor is wrong
-  double unseen_gate =
-      0.0;  ///< up to this one nearer than all fitted depths about it is something not fitted
+  double unseen_gate = 0.0;  ///< the same for one nearer than all fitted depths about it: not fitted at all
 };
 
 /// How far a known depth mends the depths about it.
