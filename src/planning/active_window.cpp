@@ -42,10 +42,7 @@ LaserScan ActiveWindow::takeMovingOut(const LaserScan& scan, const Pose2& odom_f
   if (moving_.moving().empty()) return standing;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     if (classify(scan, scan.ranges_m[i]) != Return::kHit) continue;
-    const double range_m = scan.ranges_m[i];
-    const double angle = scan.angleOf(i);
-    const Eigen::Vector2d p =
-        odom_from_laser * Eigen::Vector2d(range_m * std::cos(angle), range_m * std::sin(angle));
+    const Eigen::Vector2d p = odom_from_laser * *obstacleAt(scan, i);
     if (!moving_.isMoving(p)) continue;
     moving_hits_.push_back(p);
     standing.ranges_m[i] = std::numeric_limits<float>::quiet_NaN();

@@ -120,9 +120,7 @@ LaserScan MovingObstacles::newReturns(const LaserScan& scan, const Pose2& odom_f
     if (classify(scan, scan.ranges_m[i]) != Return::kHit) continue;
     const double range_m = scan.ranges_m[i];
     if (range_m > params_.tracker.max_range_m) continue;
-    const double angle = scan.angleOf(i);
-    const Eigen::Vector2d p =
-        odom_from_laser * Eigen::Vector2d(range_m * std::cos(angle), range_m * std::sin(angle));
+    const Eigen::Vector2d p = odom_from_laser * *obstacleAt(scan, i);
     if (!isNew(p, range_m, grid)) continue;
     found.ranges_m[i] = scan.ranges_m[i];
     if (last && (p - last_odom).norm() <= params_.gap_m) {
