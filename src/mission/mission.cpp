@@ -159,6 +159,7 @@ MissionOutput Mission::update(const Odometry& odometry) {
 
 bool Mission::checkOdometry(Stamp now) {
   if (!active()) return false;
+  if (goal_start_ == Stamp{}) goal_start_ = now;  // the goal came before the clock did
   const Stamp since = started_ ? *last_odometry_ : goal_start_;
   const double age_s = toSeconds(now - since);
   if (age_s < params_.odom_timeout_s) return false;

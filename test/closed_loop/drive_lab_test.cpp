@@ -29,29 +29,43 @@ using test::waitUntil;
 constexpr Pose2 kWorldFromGoal{3.9, 1.9, 0.0};
 constexpr double kGoalRadius_m = 0.30;
 constexpr double kShortestDrive_m = 6.0;
-constexpr double kLongestDrive_s = 90.0;  // three times what the way takes
+constexpr double kLongestStart_s = 120.0;  // of wall time
+constexpr double kLongestDrive_s = 90.0;   // three times what the way takes
 
 class DriveLabTest : public testing::TestWithParam<int> {
  protected:
-  /// The robot at its start in a world of that seed, and the graph ready for a goal; time stands.
-  bool prepare(int seed) {
+  /// The robot at its start in a world of that seed, and the graph ready for a goal; time stands. Empty, or
+  /// what is missing.
+  std::string prepare(int seed) {
     std_srvs::Trigger pause;
-    if (!step_service_.waitForExistence(ros::Duration(30.0)) || !pause_service_.call(pause)) return false;
+    if (!step_service_.waitForExistence(ros::Duration(30.0)) || !pause_service_.call(pause))
+      return "no simulator";
     SetSeed request;
     request.request.seed = static_cast<std::uint64_t>(seed);
+    if (!seed_service_.call(request) || !request.response.success)
+      return "no seed: " + request.response.message;
     ready_ = false;
-    if (!seed_service_.call(request) || !request.response.success) return false;
+    truth_.reset();
+    odometry_.reset();
     client_ = std::make_unique<Client>("move_base", false);
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(60.0);
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kLongestStart_s);
     while (!(ready_ && client_->isServerConnected() && truth_ && odometry_)) {
       StepSimulation step;
       step.request.seconds = 0.1;
-      if (!step_service_.call(step) || ros::WallTime::now() > end) return false;
+      if (!step_service_.call(step)) return "no step";
+      if (ros::WallTime::now() > end) return missing();
       ros::spinOnce();
     }
     contacts_ = 0;
     driven_m_ = 0.0;
-    return true;
+    return "";
+  }
+
+  std::string missing() const {
+    return !truth_                         ? "no ground_truth/odom"
+           : !odometry_                    ? "no odom"
+           : !client_->isServerConnected() ? "no server of move_base"
+                                           : "avoidance/command is not idle";
   }
 
   /// Drives to the goal; how the action ended, or why it did not.
@@ -111,7 +125,7 @@ class DriveLabTest : public testing::TestWithParam<int> {
 };
 
 TEST_P(DriveLabTest, ReachesTheGoalWithoutAContact) {
-  ASSERT_TRUE(prepare(GetParam()));
+  ASSERT_EQ(prepare(GetParam()), "");
   EXPECT_EQ(drive(), "SUCCEEDED") << client_->getState().getText();
   const double error_m = distance(*truth_, kWorldFromGoal);
   EXPECT_LE(error_m, kGoalRadius_m);

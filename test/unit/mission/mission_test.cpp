@@ -197,6 +197,14 @@ TEST(Mission, GivesUpWhenNoOdometryEverComes) {
   EXPECT_THAT(onlyEvent(driver.mission).reason, StartsWith("odometry lost"));
 }
 
+TEST(Mission, AGoalFromBeforeTheClockWaitsForOdometryFromTheFirstInstant) {
+  MissionDriver driver;
+  driver.mission.setGoal(kGoal, Stamp{}, true);
+  EXPECT_FALSE(driver.mission.checkOdometry(stampFromSeconds(50.0)));
+  EXPECT_FALSE(driver.mission.checkOdometry(stampFromSeconds(50.9)));
+  EXPECT_TRUE(driver.mission.checkOdometry(stampFromSeconds(51.1)));
+}
+
 TEST(Mission, GivesUpWhenAvoidanceStops) {
   MissionDriver driver;
   driver.setGoal(kGoal);
