@@ -45,7 +45,10 @@ Twist2 SpeedChoice::choose(double bearing_rad, double way_m,
   const double v = std::min({params_.max_v_mps * straightness, by_clearance,
                              std::max(by_stopping, straightness > 0.0 ? params_.min_v_mps : 0.0),
                              std::max(stoppable_mps(way_m), params_.min_v_mps)});
-  return {v, std::clamp(params_.turn_gain * bearing_rad, -params_.max_w_radps, params_.max_w_radps)};
+  const double room = beside_m / params_.full_clearance_m;
+  const double gentleness = turn < params_.gentle_rad ? room * (1.0 - turn / params_.gentle_rad) : 0.0;
+  return {v, std::clamp((1.0 - gentleness) * params_.turn_gain * bearing_rad, -params_.max_w_radps,
+                        params_.max_w_radps)};
 }
 
 }  // namespace frugal_nav

@@ -34,7 +34,7 @@ TEST(LabDriveNodes, EachTicksGivesAnOdometryAndEachScanACommand) {
 
   ASSERT_TRUE(odometry.waitForCount(countOf("wheel_ticks"), 60.0))
       << odometry.messages.size() << " odometries";
-  ASSERT_TRUE(commands.waitForCount(countOf("scan"), 10.0)) << commands.messages.size() << " commands";
+  ASSERT_TRUE(commands.waitForCount(countOf("scan"), 20.0)) << commands.messages.size() << " commands";
   EXPECT_EQ(odometry.messages.size(), countOf("wheel_ticks"));
   EXPECT_EQ(commands.messages.size(), countOf("scan"));
   const auto driving =

@@ -122,10 +122,12 @@ class GraphStopTest : public testing::Test {
   bool restart() {
     SetSeed request;
     request.request.seed = 500001;
+    if (!seed_service_.call(request) || !request.response.success) return false;
+    ros::spinOnce();  // what came before the jump is not of its time
     commands_.clear();
     path_stamp_ = local_stamp_ = ros::Time();
     local_status_ = LocalCommand::STATUS_STOPPED;
-    return seed_service_.call(request) && request.response.success;
+    return true;
   }
 
   /// All nodes answer: planner and avoidance have just processed a scan.
@@ -253,8 +255,9 @@ TEST_F(GraphStopTest, TimeJump) {
   ASSERT_TRUE(restart());
   for (int i = 0; i < 25; ++i) {
     ASSERT_TRUE(step());
-    EXPECT_TRUE(stands());
+    EXPECT_TRUE(commands_.empty() || stands());
   }
+  EXPECT_FALSE(commands_.empty());
   EXPECT_EQ(client_->getState().state_, SimpleClientGoalState::ABORTED);
   EXPECT_EQ(client_->getState().getText(), "time jumped back");
 }

@@ -18,7 +18,7 @@ struct ScanMemoryParams {
   double tolerance_m = 0.0;
 
   /// Those of a laser, which sees all around but nothing nearer than its range_min.
-  static ScanMemoryParams ofLaser() { return {3.0, 0.5, 0.0, 0.02, 0.02}; }
+  static ScanMemoryParams ofLaser() { return {3.0, 0.5, 0.0, 0.005, 0.02}; }
 
   template <class Visitor>
   void fields(Visitor&& visit) {
@@ -35,7 +35,11 @@ struct ScanMemoryParams {
               "nearer to the sensor than this a later scan does not take back what was seen: low things are "
               "below a camera's view",
               0.0, 5.0});
-    visit("cell_m", cell_m, Field{"m", "one point is kept for each square of this side", 0.005, 0.5});
+    visit("cell_m", cell_m,
+          Field{"m",
+                "one point is kept for each square of this side, so that a corner is known to within its "
+                "diagonal: less than the air that the collision stop keeps",
+                0.005, 0.5});
     visit("tolerance_m", tolerance_m,
           Field{"m",
                 "how far off a kept place may be: beams within this on either side must see past it, or at "

@@ -18,6 +18,7 @@ struct SpeedParams {
   double brake_mps2 = 0.6;
   double reaction_s = 0.25;
   double turn_gain = 2.5;
+  double gentle_rad = 0.3;
   double full_speed_rad = 0.15;
   double turn_on_spot_rad = 0.9;
   double full_clearance_m = 0.35;
@@ -36,6 +37,11 @@ struct SpeedParams {
     visit("reaction_s", reaction_s,
           Field{"s", "from what is seen to the wheels: a scan's period and the motors' lag", 0.0, 2.0});
     visit("turn_gain", turn_gain, Field{"1/s", "turn rate per angle to the chosen direction", 0.1, 20.0});
+    visit("gentle_rad", gentle_rad,
+          Field{"rad",
+                "below this angle it turns the more gently the smaller the angle and the more room there is "
+                "beside the way: noise of scan and path does not make it wag; 0: never",
+                0.0, M_PI});
     visit("full_speed_rad", full_speed_rad,
           Field{"rad", "up to this angle to the chosen direction it drives at full speed", 0.0, M_PI});
     visit("turn_on_spot_rad", turn_on_spot_rad,
@@ -51,7 +57,8 @@ struct SpeedParams {
 };
 
 /// Turns a direction into a velocity: slower the sharper the turn, the nearer the obstacles beside the way,
-/// and never faster than the robot can stop before what lies ahead.
+/// and never faster than the robot can stop before what lies ahead. It steers exactly where the way is narrow
+/// and gently where it is wide.
 class SpeedChoice {
  public:
   /// Throws ConfigError on parameters out of range.

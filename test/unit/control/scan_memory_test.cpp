@@ -118,6 +118,26 @@ TEST(ScanMemory, KeepsWhatABeamBesideItCallsTooNear) {
   }
 }
 
+TEST(ScanMemory, KnowsTheCornersOfAJambThatIsTooNear) {
+  ScanMemory memory{ScanMemoryParams::ofLaser()};
+  LaserScan seen = turn(0.0);
+  LaserScan too_near = turn(0.1);
+  for (std::size_t beam = 265; beam <= 275; ++beam) {  // a face 0.2 m to the left
+    seen.ranges_m[beam] =
+        static_cast<float>(0.2 / std::cos((static_cast<double>(beam) - 270.0) / 180.0 * M_PI));
+    too_near.ranges_m[beam] = -kFree;
+  }
+  memory.add(seen, {}, {});
+  memory.add(too_near, {}, {0.0, 0.1, 0.0});
+  const auto points = seenAt(memory, 0.1);
+  for (const double side : {1.0, -1.0}) {
+    const Eigen::Vector2d corner(side * 0.2 * std::tan(5.0 / 180.0 * M_PI), 0.2);
+    double nearest_m = 1.0;
+    for (const Eigen::Vector2d& p : points) nearest_m = std::min(nearest_m, (p - corner).norm());
+    EXPECT_LT(nearest_m, 0.005) << "less than half the least air that the collision stop keeps";
+  }
+}
+
 TEST(ScanMemory, ForgetsWhatALaserMeasuresAnewOrSeesPast) {
   ScanMemory past = withPointBeside();
   past.add(turn(0.1), {}, {0.0, 0.1, 0.0});

@@ -35,6 +35,19 @@ TEST(SpeedChoice, SlowerTheSharperTheTurnAndOnTheSpotAtLast) {
   EXPECT_EQ(speed.choose(-3.0, 5.0, {}).w_radps, -SpeedParams{}.max_w_radps);
 }
 
+TEST(SpeedChoice, TurnsGentlyWhereThereIsRoomAndExactlyWhereThereIsNone) {
+  const SpeedParams params;
+  const SpeedChoice speed(params, kBody);
+  const double small_rad = 0.2 * params.gentle_rad;
+  const Eigen::Vector2d beside =
+      Eigen::Rotation2Dd(small_rad) * Eigen::Vector2d(0.1, kBody.half_width_m + 1e-6);
+  const double narrow = speed.choose(small_rad, 5.0, {beside}).w_radps;
+  EXPECT_NEAR(narrow, params.turn_gain * small_rad, 1e-3);
+  EXPECT_NEAR(speed.choose(small_rad, 5.0, {}).w_radps, 0.2 * params.turn_gain * small_rad, 1e-9);
+  EXPECT_NEAR(speed.choose(-small_rad, 5.0, {}).w_radps, -0.2 * params.turn_gain * small_rad, 1e-9);
+  EXPECT_NEAR(speed.choose(params.gentle_rad, 5.0, {}).w_radps, params.turn_gain * params.gentle_rad, 1e-9);
+}
+
 TEST(SpeedChoice, SlowsForWhatLiesAheadAndBeside) {
   const SpeedParams params;
   const SpeedChoice speed(params, kBody);
