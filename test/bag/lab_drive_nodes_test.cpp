@@ -39,7 +39,7 @@ TEST(LabDriveNodes, EachTicksGivesAnOdometryAndEachScanACommand) {
   EXPECT_EQ(commands.messages.size(), countOf("scan"));
   const auto driving =
       std::count_if(commands.messages.begin(), commands.messages.end(), [](const LocalCommand& msg) {
-        return msg.status == LocalCommand::STATUS_DRIVING && msg.holds == LocalCommand::HOLDS_TARGET;
+        return msg.status == LocalCommand::STATUS_DRIVING && msg.holds == LocalCommand::HOLDS_VELOCITY;
       });
   EXPECT_GT(static_cast<double>(driving), 0.9 * static_cast<double>(commands.messages.size()));
 }

@@ -105,10 +105,10 @@ struct AvoidanceRun {
   Pose2 base_from_laser;
 };
 
-AvoidanceRun runAvoidance() {
+AvoidanceRun runAvoidance(const std::string& method) {
   const RobotModel model = robot();
-  const auto params =
-      loadParamFile<LidarAvoidanceNodeParams>(kSource + "/config/lidar_avoidance.yaml").avoidance;
+  auto params = loadParamFile<LidarAvoidanceNodeParams>(kSource + "/config/lidar_avoidance.yaml").avoidance;
+  params.method = method;
   LidarAvoidance avoidance(params, {model.halfWidth_m(), model.circumradius_m()});
   avoidance.setGoal(planar(readTopic<geometry_msgs::PoseStamped>("mission/goal").at(0).pose));
 
@@ -133,18 +133,21 @@ AvoidanceRun runAvoidance() {
 }
 
 TEST(LabDrive, AvoidanceAnswersEveryScanAndIsSeldomBlocked) {
-  const AvoidanceRun run = runAvoidance();
-  EXPECT_EQ(run.steps.size(), readTopic<sensor_msgs::LaserScan>("scan").size());
-  // Scans after the goal was reached, and those before it was set, have an empty path: "blocked" is right
-  // there.
-  const auto driving = std::count_if(run.steps.begin(), run.steps.end(), [](const AvoidanceRun::Step& step) {
-    return step.command.status == MotionCommand::Status::kDriving;
-  });
-  EXPECT_GT(static_cast<double>(driving), 0.9 * static_cast<double>(run.steps.size()));
+  for (const char* method : {"sectors", "vfh_plus", "vfh_star", "dwa"}) {
+    const AvoidanceRun run = runAvoidance(method);
+    EXPECT_EQ(run.steps.size(), readTopic<sensor_msgs::LaserScan>("scan").size());
+    // Scans after the goal was reached, and those before it was set, have an empty path: "blocked" is right
+    // there.
+    const auto driving =
+        std::count_if(run.steps.begin(), run.steps.end(), [](const AvoidanceRun::Step& step) {
+          return step.command.status == MotionCommand::Status::kDriving;
+        });
+    EXPECT_GT(static_cast<double>(driving), 0.9 * static_cast<double>(run.steps.size())) << method;
+  }
 }
 
 TEST(LabDrive, AvoidanceAimsWhereTheBodyFits) {
-  const AvoidanceRun run = runAvoidance();
+  const AvoidanceRun run = runAvoidance("sectors");
   double least_m = 10.0;
   for (const AvoidanceRun::Step& step : run.steps) {
     if (step.command.holds != MotionCommand::Holds::kTarget) continue;

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 class LidarAvoidanceNodeTest : public testing::Test {
  protected:
   /// The method that drives, as the .test file has set it.
-  static std::string method() { return ros::param::param<std::string>("lidar_avoidance/method", "sectors"); }
+  static std::string method() { return ros::param::param<std::string>("lidar_avoidance/method", "vfh_star"); }
 
   void SetUp() override {
     path_pub_ = graph_.nh.advertise<nav_msgs::Path>("path", 10);

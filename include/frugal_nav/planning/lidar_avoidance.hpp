@@ -21,7 +21,7 @@
 namespace frugal_nav {
 
 struct LidarAvoidanceParams {
-  std::string method = "sectors";
+  std::string method = "vfh_star";
   bool use_path = true;
   double look_ahead_m = 0.8;
   double shortest_look_ahead_m = 0.3;

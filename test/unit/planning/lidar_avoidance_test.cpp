@@ -26,6 +26,13 @@ Odometry odometryAt(const Pose2& pose) {
   return odometry;
 }
 
+/// The method whose commands say where they aim.
+LidarAvoidanceParams sectorMethod() {
+  LidarAvoidanceParams params;
+  params.method = "sectors";
+  return params;
+}
+
 /// Points every 0.1 m along straight lines.
 Path2 pathThrough(const std::vector<Eigen::Vector2d>& corners) {
   Path2 path;
@@ -45,7 +52,7 @@ class LidarAvoidanceTest : public testing::Test {
     return avoidance.update(world.scan(pose, stamp_s), {}, odometryAt(pose));
   }
 
-  LidarAvoidanceParams params;
+  LidarAvoidanceParams params = sectorMethod();
   LidarAvoidance avoidance{params, kBody};
   FlatWorld world = FlatWorld().box(-3.0, -3.0, 6.0, 3.0);
 };
@@ -200,7 +207,7 @@ TEST(Corridor, IsFreeBesideAndBeyondItsStrip) {
 /// distance from a wall, or nothing when it does not arrive within the time.
 std::optional<double> driveTo(const FlatWorld& world, const Pose2& goal, double seconds) {
   LidarPlanner planner{LidarPlannerParams{}, kBody};
-  LidarAvoidance avoidance{LidarAvoidanceParams{}, kBody};
+  LidarAvoidance avoidance{sectorMethod(), kBody};
   planner.setGoal(goal);
   avoidance.setGoal(goal);
   Pose2 pose;
