@@ -131,12 +131,13 @@ BaseCommand BaseControl::decide(Stamp now) {
 }
 
 std::vector<std::string> BaseControl::requiredInputs() const {
-  std::vector<std::string> inputs{"odom", sourceTopic(mission_.mode)};
+  std::vector<std::string> inputs{"odom"};
   const bool by_hand = mission_.mode == Mode::kManual;
   if (has_scanner_ || mission_.mode == Mode::kLidar ||
       (by_hand ? params_.require_scan_in_manual : params_.require_scan)) {
-    inputs.emplace_back("scan");
+    inputs.emplace_back("scan");  // before what rests on it, so that the cause is named
   }
+  inputs.emplace_back(sourceTopic(mission_.mode));
   if (mission_.mode == Mode::kCamera) {
     inputs.emplace_back("obstacle/nearest");
     if (has_depth_) inputs.emplace_back("depth/scan");

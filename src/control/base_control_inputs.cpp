@@ -106,9 +106,18 @@ bool BaseControl::setScan(const LaserScan& as_sent, const Pose2& base_from_laser
   if (!accept("scan", scan.stamp, findFault(scan, params_.scan))) return false;
   scan_stamp_ = scan.stamp;
   const LaserScan of_others = withoutOwnParts(scan, base_from_laser);
-  p_base_at_scan_ = obstaclePoints(of_others, base_from_laser);
   const std::optional<Odometry> odometry = odometry_.predictedAt(scan.stamp);
   if (odometry) near_.add(of_others, base_from_laser, odometry->odom_from_base);
+  p_base_at_scan_.clear();
+  for (std::size_t i = 0; i < of_others.ranges_m.size(); ++i) {
+    const auto p_laser = obstacleAt(of_others, i);
+    if (!p_laser) continue;
+    const bool is_guess =
+        classify(of_others, of_others.ranges_m[i]) == Return::kTooClose &&
+        !(odometry && near_.knows(of_others, i, odometry->odom_from_base * base_from_laser));
+    p_base_at_scan_.push_back(is_guess ? nearestOn(of_others, i, base_from_laser)
+                                       : base_from_laser * *p_laser);
+  }
   blind_.add(scan, base_from_laser);
   return true;
 }
@@ -117,11 +126,22 @@ bool BaseControl::setScan(const LaserScan& as_sent, const Pose2& base_from_laser
 LaserScan BaseControl::withoutOwnParts(LaserScan scan, const Pose2& base_from_laser) const {
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto p_laser = obstacleAt(scan, i);
-    if (p_laser && guard_.clearance(base_from_laser * *p_laser) <= 0.0) {
+    // A little within it is noise: something touches the robot.
+    if (p_laser && guard_.clearance(base_from_laser * *p_laser) < -params_.near.tolerance_m) {
       scan.ranges_m[i] = std::numeric_limits<float>::quiet_NaN();
     }
   }
   return scan;
+}
+
+/// Where on a beam the nearest thing could be that is too near to measure and was never seen from farther
+/// off: where it leaves the footprint, so that nothing moves toward it.
+Eigen::Vector2d BaseControl::nearestOn(const LaserScan& scan, std::size_t beam,
+                                       const Pose2& base_from_laser) const {
+  const double angle = base_from_laser.yaw_rad + scan.angleOf(beam);
+  const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+  const Eigen::Vector2d from = base_from_laser.position();
+  return from + std::min(guard_.wayOut_m(from, direction), scan.range_min_m) * direction;
 }
 
 bool BaseControl::setLocalCommand(const MotionCommand& command) {

@@ -43,6 +43,17 @@ double CollisionGuard::clearance(const Eigen::Vector2d& p_base) const {
   return largest;
 }
 
+double CollisionGuard::wayOut_m(const Eigen::Vector2d& p_base, const Eigen::Vector2d& direction) const {
+  double way_m = std::numeric_limits<double>::infinity();
+  for (const Edge& edge : edges_) {
+    const double inside_m = edge.offset_m - edge.outward.dot(p_base);
+    if (inside_m < 0.0) return 0.0;
+    const double toward = edge.outward.dot(direction);
+    if (toward > 0.0) way_m = std::min(way_m, inside_m / toward);
+  }
+  return way_m;
+}
+
 GuardedTwist CollisionGuard::check(const Twist2& command, const Twist2& present, double scan_age_s,
                                    const std::vector<Eigen::Vector2d>& p_base) const {
   if (command.isZero()) return {};
@@ -121,11 +132,28 @@ CollisionGuard::Way CollisionGuard::stoppingWay(const Twist2& command, const Twi
                                                 double hold_s) const {
   Way way;
   drive(way, present, present, params_.reaction_s);
-  drive(way, command, command, hold_s);
-  const double brake_s = std::max(std::abs(command.v_mps) / params_.brake_mps2,
-                                  std::abs(command.w_radps) / params_.turn_brake_radps2);
-  drive(way, command, {}, brake_s);
+  // It may reach a higher speed at once, but a lower one only by braking; so does its turn.
+  const bool brakes = present.v_mps * (present.v_mps - command.v_mps) > 0.0;
+  const double ramp_s = ramp(way, {brakes ? present.v_mps : command.v_mps, present.w_radps}, command);
+  drive(way, command, command, std::max(hold_s - ramp_s, 0.0));
+  ramp(way, command, {});
   return way;
+}
+
+/// From one velocity to another, speed and turn each by its own deceleration; how long it takes [s].
+double CollisionGuard::ramp(Way& way, const Twist2& begin, const Twist2& end) const {
+  const double speed_s = std::abs(end.v_mps - begin.v_mps) / params_.brake_mps2;
+  const double turn_s = std::abs(end.w_radps - begin.w_radps) / params_.turn_brake_radps2;
+  const double first_s = std::min(speed_s, turn_s);
+  const double all_s = std::max(speed_s, turn_s);
+  if (all_s == 0.0) return 0.0;
+  const double speed_share = speed_s > 0.0 ? first_s / speed_s : 1.0;
+  const double turn_share = turn_s > 0.0 ? first_s / turn_s : 1.0;
+  const Twist2 between{begin.v_mps + speed_share * (end.v_mps - begin.v_mps),
+                       begin.w_radps + turn_share * (end.w_radps - begin.w_radps)};
+  drive(way, begin, between, first_s);
+  drive(way, between, end, all_s - first_s);
+  return all_s;
 }
 
 bool CollisionGuard::isFree(const Way& way, double margin_m,

@@ -37,6 +37,18 @@ void ScanMemory::add(const LaserScan& scan, const Pose2& base_from_sensor, const
   points_ = std::move(fresh);
 }
 
+bool ScanMemory::knows(const LaserScan& scan, std::size_t beam, const Pose2& odom_from_sensor) const {
+  const Pose2 sensor_from_odom = odom_from_sensor.inverse();
+  const double angle = scan.angleOf(beam);
+  return std::any_of(points_.begin(), points_.end(), [&](const Point& point) {
+    const Eigen::Vector2d p = sensor_from_odom * point.p_odom;
+    const double range_m = p.norm();
+    if (range_m > scan.range_min_m + params_.tolerance_m) return false;
+    const double beside_rad = std::asin(std::min(params_.tolerance_m / std::max(range_m, 1e-3), 1.0));
+    return std::abs(angleBetween(angle, std::atan2(p.y(), p.x()))) <= beside_rad;
+  });
+}
+
 ScanMemory::View ScanMemory::viewOf(const Eigen::Vector2d& p_sensor, const LaserScan& scan) const {
   const double range_m = p_sensor.norm();
   if (range_m < params_.below_view_m || scan.angle_increment_rad == 0.0) return View::kHidden;

@@ -198,6 +198,7 @@ class BaseControl {
   BaseCommand restrict(const BaseCommand& command, Stamp now, const Odometry& odometry);
   std::optional<std::vector<Eigen::Vector2d>> obstaclesAt(Stamp now, const Pose2& odom_from_base) const;
   void addNearest(Stamp now, const Pose2& odom_from_base, std::vector<Eigen::Vector2d>& p_base) const;
+  Eigen::Vector2d nearestOn(const LaserScan& scan, std::size_t beam, const Pose2& base_from_laser) const;
   LaserScan withoutOwnParts(LaserScan scan, const Pose2& base_from_laser) const;
   bool isBlind(double v_mps) const;
 

@@ -54,10 +54,11 @@ struct GuardedTwist {
 
 /// Scales commands down until the footprint, driven along them and then stopped, touches no point.
 ///
-/// The way simulated is: the present velocity during `reaction_s`; the command while it holds and for as long
-/// as the scan is old (what it shows may have come nearer meanwhile); then braking along the same arc.
-/// Clearance is that of the footprint's edge lines, which is less than the true distance beside a corner.
-/// Where a point is already within the margin, motion is allowed as long as that clearance does not shrink.
+/// The way simulated is: the present velocity during `reaction_s`; the command, reached by braking where it
+/// is slower, while it holds and for as long as the scan is old (what it shows may have come nearer
+/// meanwhile); then braking, speed and turn each by its own deceleration. Clearance is that of the
+/// footprint's edge lines, which is less than the true distance beside a corner. Where a point is already
+/// within the margin, motion is allowed as long as that clearance does not shrink.
 class CollisionGuard {
  public:
   /// The footprint is convex, counter-clockwise, in base_link. Throws ConfigError when it is not, or on
@@ -74,6 +75,8 @@ class CollisionGuard {
                       const std::vector<Eigen::Vector2d>& p_base) const;
   /// Distance from the footprint's edge lines, negative inside [m].
   double clearance(const Eigen::Vector2d& p_base) const;
+  /// How far from a point within it the footprint ends in a direction [m]; 0 from outside.
+  double wayOut_m(const Eigen::Vector2d& p_base, const Eigen::Vector2d& direction) const;
 
  private:
   struct Edge {
@@ -88,6 +91,7 @@ class CollisionGuard {
   Twist2 bent(const Twist2& command, double turn_radps) const;
   double marginAt(const Twist2& velocity) const;
   void drive(Way& way, const Twist2& begin, const Twist2& end, double duration_s) const;
+  double ramp(Way& way, const Twist2& begin, const Twist2& end) const;
   Way stoppingWay(const Twist2& command, const Twist2& present, double hold_s) const;
   bool isFree(const Way& way, double margin_m, const std::vector<Eigen::Vector2d>& p_base) const;
   bool keepsClear(const Pose2& start_from_pose, double margin_m,

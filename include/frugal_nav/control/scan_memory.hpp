@@ -40,11 +40,13 @@ struct ScanMemoryParams {
                 "one point is kept for each square of this side, so that a corner is known to within its "
                 "diagonal: less than the air that the collision stop keeps",
                 0.005, 0.5});
-    visit("tolerance_m", tolerance_m,
-          Field{"m",
-                "how far off a kept place may be: beams within this on either side must see past it, or at "
-                "most this much before it, to take it back",
-                0.0, 0.2});
+    visit(
+        "tolerance_m", tolerance_m,
+        Field{"m",
+              "how far off a kept place may be: beams within this on either side must measure something, the "
+              "middle one at most this much before it, to take it back; and what seems this deep within "
+              "the footprint is a part of the robot",
+              0.0, 0.2});
   }
 };
 
@@ -61,6 +63,8 @@ class ScanMemory {
   /// Keeps the hits of a scan, and forgets what it measures anew or sees through and what is too old.
   void add(const LaserScan& scan, const Pose2& base_from_sensor, const Pose2& odom_from_base);
   void clear() { points_.clear(); }
+  /// Whether a beam that says "too near" sees what is kept, of before it came too near.
+  bool knows(const LaserScan& scan, std::size_t beam, const Pose2& odom_from_sensor) const;
 
   /// All points at an instant, in the base's frame then [m].
   std::vector<Eigen::Vector2d> pointsAt(Stamp now, const Pose2& odom_from_base) const;

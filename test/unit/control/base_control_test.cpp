@@ -631,6 +631,38 @@ TEST(BaseControl, DoesNotTurnIntoAPostTooNearToMeasure) {
   EXPECT_GT(nearest_m, 0.005);
 }
 
+TEST(BaseControl, DoesNotDriveTowardWhatWasNeverFarEnoughToBeMeasured) {
+  const Pose2 base_from_laser{0.02, 0.0, 0.0};
+  for (const double gap_m : {0.005, 0.015}) {
+    Bench bench(Mode::kManual);
+    bench.scan_on = false;
+    bench.manual = {0.2, 0.0};
+    const Eigen::Vector2d post(0.12 + gap_m + 0.02, 0.0);
+    for (int i = 0; i < 100; ++i) {
+      const Pose2 laser_from_odom = (bench.odometry.odom_from_base * base_from_laser).inverse();
+      bench.control.setScan(scanOfPost(bench.now, laser_from_odom * post, 0.02), base_from_laser);
+      EXPECT_EQ(bench.step().velocity.v_mps, 0.0) << gap_m;
+    }
+    bench.manual = {-0.1, 0.0};
+    bench.control.setScan(scanOfPost(bench.now, base_from_laser.inverse() * post, 0.02), base_from_laser);
+    EXPECT_LT(bench.step().velocity.v_mps, 0.0) << "away from it";
+  }
+}
+
+TEST(BaseControl, WhatNoisePutsALittleWithinTheFootprintIsNoPartOfIt) {
+  Bench bench(Mode::kManual);
+  bench.scan_on = false;
+  bench.manual = {0.2, 0.0};
+  for (int i = 0; i < 50; ++i) {
+    LaserScan scan = openScan(bench.now);
+    scan.range_min_m = 0.05;
+    for (std::size_t beam = 175; beam <= 185; ++beam)  // a wall 2 mm within the front edge
+      scan.ranges_m[beam] = static_cast<float>(0.118 / std::cos(scan.angleOf(beam)));
+    bench.control.setScan(scan, {});
+    EXPECT_EQ(bench.step().velocity.v_mps, 0.0);
+  }
+}
+
 TEST(BaseControl, NewParametersHoldFromTheNextCycle) {
   Bench bench(Mode::kManual);
   bench.manual = {0.3, 0.0};
