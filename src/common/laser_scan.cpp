@@ -6,6 +6,9 @@
 namespace frugal_nav {
 namespace {
 
+// A million beams a turn: beyond that their numbers no longer fit.
+constexpr double kFinestStep_rad = 2.0 * M_PI / 1e6;
+
 /// Whether any range of a scan is of one of these kinds.
 template <class... Kinds>
 bool hasAny(const LaserScan& scan, Kinds... kinds) {
@@ -22,10 +25,13 @@ std::optional<std::string> findFault(const LaserScan& scan) {
   if (!std::isfinite(scan.angle_min_rad) || !std::isfinite(scan.angle_increment_rad)) {
     return "angle_min or angle_increment is not finite";
   }
-  if (scan.angle_increment_rad == 0.0 && scan.ranges_m.size() > 1) return "angle_increment is zero";
+  const double step = std::abs(scan.angle_increment_rad);
+  if (step == 0.0 && scan.ranges_m.size() > 1) return "angle_increment is zero";
+  if (step != 0.0 && (step < kFinestStep_rad || step > 2.0 * M_PI))
+    return "angle_increment is no angle between two beams";
   // One beam of slack: drivers of 360-degree scanners often repeat the first direction at the end.
-  const double swept = std::abs(scan.angle_increment_rad) * static_cast<double>(scan.ranges_m.size() - 1);
-  if (swept > 2.0 * M_PI + std::abs(scan.angle_increment_rad)) return "the scan covers more than 360 degrees";
+  const double swept = step * static_cast<double>(scan.ranges_m.size() - 1);
+  if (swept > 2.0 * M_PI + step) return "the scan covers more than 360 degrees";
   if (!(scan.range_min_m >= 0.0) || !(scan.range_max_m > scan.range_min_m)) {
     return "range_min and range_max are not 0 <= min < max";
   }

@@ -100,6 +100,11 @@ TEST(LaserScan, NamesItsFault) {
   scan = soundScan();
   scan.angle_increment_rad = 0.0;
   expectFault(scan, "angle_increment");
+  scan.ranges_m.resize(2);
+  for (const double increment_rad : {13.0, 1e-12}) {
+    scan.angle_increment_rad = increment_rad;
+    expectFault(scan, "angle_increment");
+  }
   scan.angle_increment_rad = NAN;
   expectFault(scan, "angle_increment");
 
