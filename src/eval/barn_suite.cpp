@@ -139,6 +139,7 @@ class BarnSuite : public SuiteWithOptions<BarnOptions> {
     LidarStackParams params = params_;
     params.avoidance.method = method;
     params.avoidance.speed.max_v_mps = speed_mps;
+    params.avoidance.right_of_way.cruise_mps = speed_mps;
     params.base.limits.max_v_mps = speed_mps;
     sim::Simulator simulator(scene, robot_, simulator_, seed, kStart);
     const Pose2 odom_from_goal{0.0, kGoalAhead_m, M_PI_2};

@@ -8,6 +8,9 @@ namespace {
 
 // What a thing left in the grid before it was known to move reaches about this far beyond its radius.
 constexpr double kBeside_m = 0.10;
+// Beams that say nothing are followed from outside the body to where a robot stops in time.
+constexpr double kUnseenFrom_m = 0.3;
+constexpr double kUnseenTo_m = 1.0;
 
 }  // namespace
 
@@ -32,6 +35,23 @@ void ActiveWindow::update(const LaserScan& scan, const Pose2& odom_from_laser,
     const Cell cell = grid_.cellOf(p);
     if (grid_.contains(cell)) hits_[placeOf(cell)] = p.cast<float>();
   }
+  findUnseen(scan, odom_from_laser);
+}
+
+/// Of each beam that says nothing, the first place that is not known from before.
+void ActiveWindow::findUnseen(const LaserScan& scan, const Pose2& odom_from_laser) {
+  unseen_.clear();
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    if (classify(scan, scan.ranges_m[i]) != Return::kUnknown) continue;
+    const double angle = scan.angleOf(i);
+    for (double range_m = kUnseenFrom_m; range_m <= kUnseenTo_m; range_m += params_.cell_m) {
+      const Eigen::Vector2d p =
+          odom_from_laser * Eigen::Vector2d(range_m * std::cos(angle), range_m * std::sin(angle));
+      const RollingGrid::State state = grid_.state(grid_.cellOf(p));
+      if (state == RollingGrid::State::kUnknown) unseen_.push_back(p);
+      if (state != RollingGrid::State::kFree) break;
+    }
+  }
 }
 
 /// The scan without the returns of what moves, which say nothing then.
@@ -53,11 +73,13 @@ void ActiveWindow::reset() {
   grid_.reset();
   moving_.reset();
   moving_hits_.clear();
+  unseen_.clear();
 }
 
 void ActiveWindow::setParams(const RollingGridParams& params, const MovingObstaclesParams& moving) {
   moving_ = MovingObstacles(moving);
   moving_hits_.clear();
+  unseen_.clear();
   grid_.setParams(params);
   params_ = params;
   hits_.resize(static_cast<std::size_t>(grid_.size()) * static_cast<std::size_t>(grid_.size()));
@@ -76,8 +98,10 @@ std::vector<WindowPoint> ActiveWindow::pointsWithin(const Eigen::Vector2d& p_odo
       points.push_back({p, static_cast<double>(certainty) / params_.max_certainty});
     }
   }
-  for (const Eigen::Vector2d& p : moving_hits_) {
-    if ((p - p_odom).squaredNorm() <= radius_m * radius_m) points.push_back({p, 1.0});
+  for (const auto* places : {&moving_hits_, &unseen_}) {
+    for (const Eigen::Vector2d& p : *places) {
+      if ((p - p_odom).squaredNorm() <= radius_m * radius_m) points.push_back({p, 1.0});
+    }
   }
   return points;
 }

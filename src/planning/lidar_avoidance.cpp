@@ -47,7 +47,10 @@ void LidarAvoidance::setParams(const LidarAvoidanceParams& params) {
   validate(params, "avoidance");
   params_ = params;
   makePlanner();
-  window_ = std::make_unique<ActiveWindow>(params.window, params.moving);
+  if (window_)
+    window_->setParams(params.window, params.moving);
+  else
+    window_ = std::make_unique<ActiveWindow>(params.window, params.moving);
 }
 
 void LidarAvoidance::makePlanner() {
@@ -93,10 +96,11 @@ MotionCommand LidarAvoidance::update(const LaserScan& scan, const Pose2& base_fr
   MotionCommand idle;
   idle.stamp = scan.stamp;
   if (const auto fault = findFault(scan)) return stopped(idle, Status::kStopped, *fault);
-  if (!odometry.odom_from_base.isFinite() || !odometry.twist.isFinite() || !base_from_laser.isFinite()) {
-    return stopped(idle, Status::kStopped, "the odometry is not finite");
-  }
-  if (goal_ && !goal_->isFinite()) return stopped(idle, Status::kStopped, "the goal is not finite");
+  if (!base_from_laser.isFinite()) return stopped(idle, Status::kStopped, "the laser's pose is not finite");
+  if (!RollingGrid::holds(odometry.odom_from_base) || !odometry.twist.isFinite())
+    return stopped(idle, Status::kStopped, "the odometry is not finite, or farther off than 1000 km");
+  if (goal_ && !RollingGrid::holds(*goal_))
+    return stopped(idle, Status::kStopped, "the goal is not finite, or farther off than 1000 km");
 
   if (sectors_ == nullptr)  // which decides on the scan alone
     window_->update(scan, odometry.odom_from_base * base_from_laser, odometry.odom_from_base.position());
@@ -128,6 +132,8 @@ std::optional<SectorAvoidance::Decision> LidarAvoidance::directions(double headi
     const double bearing_odom_rad = wrapAngle(heading_rad + shown.ring.bearingOf(i));
     if (!decision.masked.isFree(decision.masked.sectorOf(bearing_odom_rad))) shown.ring.block(i);
   }
+  for (const double candidate_odom_rad : decision.candidates_odom_rad)
+    shown.candidates_rad.push_back(angleBetween(heading_rad, candidate_odom_rad));
   shown.found = decision.chosen_odom_rad.has_value();
   shown.bearing_rad = angleBetween(heading_rad, decision.chosen_odom_rad.value_or(heading_rad));
   return shown;

@@ -7,12 +7,6 @@
 namespace frugal_nav {
 namespace {
 
-constexpr double kFarthest_m = 1e6;  // beyond this cell indices no longer fit
-
-bool isUsable(const Pose2& pose) {
-  return pose.isFinite() && std::abs(pose.x_m) < kFarthest_m && std::abs(pose.y_m) < kFarthest_m;
-}
-
 std::string reasonOf(AStarResult::Status status) {
   return status == AStarResult::Status::kGoalBlocked
              ? "the goal lies in an obstacle"
@@ -56,14 +50,18 @@ LidarPlan LidarPlanner::update(const LaserScan& scan, const Pose2& base_from_las
     result.reason = *fault;
     return result;
   }
-  if (!isUsable(odom_from_base) || !base_from_laser.isFinite()) {
-    result.reason = "the robot's pose is not finite";
+  if (!base_from_laser.isFinite()) {
+    result.reason = "the laser's pose is not finite";
+    return result;
+  }
+  if (!RollingGrid::holds(odom_from_base)) {
+    result.reason = "the robot's pose is not finite, or farther off than 1000 km";
     return result;
   }
   window_.update(scan, odom_from_base * base_from_laser, odom_from_base.position());
   result.moving = window_.moving().moving();
-  if (goal_ && !isUsable(*goal_)) {
-    result.reason = "the goal is not finite";
+  if (goal_ && !RollingGrid::holds(*goal_)) {
+    result.reason = "the goal is not finite, or farther off than 1000 km";
     return result;
   }
   result.status = LidarPlan::Status::kIdle;

@@ -61,6 +61,11 @@ void RollingGrid::moveTo(const Eigen::Vector2d& p_odom) {
   origin_ = target;
 }
 
+bool RollingGrid::holds(const Pose2& pose) {
+  constexpr double kFarthest_m = 1e6;
+  return pose.isFinite() && std::abs(pose.x_m) < kFarthest_m && std::abs(pose.y_m) < kFarthest_m;
+}
+
 void RollingGrid::forgetColumns(int first_x, int count) {
   for (int i = 0; i < count; ++i) {
     const int column = wrapIndex(first_x + i, size_);

@@ -140,8 +140,16 @@ visualization_msgs::MarkerArray sectorMarkers(const SectorAvoidance::Decision& d
   target.scale.x = target.scale.y = target.scale.z = 0.08;
   target.color = color(0.1F, 0.4F, 0.95F, 0.95F);
   if (command.holds != MotionCommand::Holds::kTarget) target.action = Marker::DELETE;
+  Marker candidates = marker("candidates", Marker::LINE_LIST, base_frame, command.stamp);
+  candidates.scale.x = 0.015;
+  candidates.color = color(0.1F, 0.4F, 0.95F, 0.6F);
+  for (const double bearing : decision.candidates_rad) {
+    candidates.points.push_back(polar(bearing, kRingOuter_m));
+    candidates.points.push_back(polar(bearing, 1.5 * kRingOuter_m));
+  }
+  removeWhenEmpty(candidates);
   visualization_msgs::MarkerArray array;
-  array.markers = {ring, target};
+  array.markers = {ring, candidates, target};
   return array;
 }
 

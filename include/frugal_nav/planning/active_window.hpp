@@ -16,7 +16,8 @@ struct WindowPoint {
 /// The rolling certainty grid close to the robot that the histogram methods decide on.
 ///
 /// A cell also keeps where within it the last return lay, so that a passage is as wide as the scans say, not
-/// as the cells do. What moves is kept beside the grid and leaves no trail in it.
+/// as the cells do. What moves is kept beside the grid and leaves no trail in it. Where beams say nothing
+/// (NaN) and nothing is known from before, something may stand: that is an obstacle too.
 class ActiveWindow {
  public:
   explicit ActiveWindow(const RollingGridParams& params, const MovingObstaclesParams& moving = {});
@@ -28,7 +29,8 @@ class ActiveWindow {
   /// ConfigError.
   void setParams(const RollingGridParams& params, const MovingObstaclesParams& moving = {});
 
-  /// The obstacles within a distance of a place; of what moves, what the last scan saw.
+  /// The obstacles within a distance of a place; of what moves and of what beams say nothing about, those of
+  /// the last scan.
   std::vector<WindowPoint> pointsWithin(const Eigen::Vector2d& p_odom, double radius_m) const;
 
   const RollingGrid& grid() const { return grid_; }
@@ -38,11 +40,13 @@ class ActiveWindow {
  private:
   std::size_t placeOf(Cell cell) const;
   LaserScan takeMovingOut(const LaserScan& scan, const Pose2& odom_from_laser);
+  void findUnseen(const LaserScan& scan, const Pose2& odom_from_laser);
 
   RollingGridParams params_;
   RollingGrid grid_;
   MovingObstacles moving_;
   std::vector<Eigen::Vector2d> moving_hits_;  ///< of the last scan, in odom
+  std::vector<Eigen::Vector2d> unseen_;       ///< where it says nothing and nothing is known, in odom
   std::vector<Eigen::Vector2f> hits_;  ///< one a cell, in a ring as the grid's; valid where that is occupied
 };
 

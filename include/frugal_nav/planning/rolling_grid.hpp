@@ -97,6 +97,9 @@ class RollingGrid {
   /// Forgets everything.
   void reset();
 
+  /// Whether a pose is finite and near enough for cells to be counted.
+  static bool holds(const Pose2& pose);
+
   /// What is known of a cell now; outside the window nothing is.
   State state(Cell cell) const;
   /// Certainty that a cell is an obstacle, 0 .. max_certainty.

@@ -93,8 +93,9 @@ class SectorAvoidance : public LocalPlanner {
     SectorRing ring;
     int narrowing = 0;
     bool found = false;
-    double bearing_rad = 0.0;  ///< in base_link
-    double reach_m = 0.0;      ///< how far that direction was checked
+    double bearing_rad = 0.0;              ///< in base_link
+    double reach_m = 0.0;                  ///< how far that direction was checked
+    std::vector<double> candidates_rad{};  ///< directions it was chosen from, in base_link; of vfh_*
   };
 
   SectorAvoidance(const SectorParams& params, const BodyExtent& body);

@@ -128,11 +128,73 @@ TEST_F(LidarAvoidanceTest, NamesBadInputs) {
   EXPECT_EQ(command.status, Status::kStopped);
   EXPECT_EQ(command.reason, "angle_increment is zero");
   command = avoidance.update(world.scan({}), {}, odometryAt({std::nan(""), 0.0, 0.0}));
-  EXPECT_EQ(command.reason, "the odometry is not finite");
+  EXPECT_EQ(command.reason, "the odometry is not finite, or farther off than 1000 km");
+  command = avoidance.update(world.scan({}), {}, odometryAt({1e12, 0.0, 0.0}));
+  EXPECT_EQ(command.reason, "the odometry is not finite, or farther off than 1000 km");
+  command = avoidance.update(world.scan({}), {std::nan(""), 0.0, 0.0}, odometryAt({}));
+  EXPECT_EQ(command.reason, "the laser's pose is not finite");
   avoidance.setPath(stampFromSeconds(0.0), {{std::nan(""), 0.0, 0.0}});
   EXPECT_EQ(update({}).reason, "the path is not finite");
   avoidance.setGoal(Pose2{std::nan(""), 0.0, 0.0});
-  EXPECT_EQ(update({}).reason, "the goal is not finite");
+  EXPECT_EQ(update({}).reason, "the goal is not finite, or farther off than 1000 km");
+}
+
+/// The histogram methods and DWA, which decide on what is remembered too.
+class WindowMethodTest : public testing::TestWithParam<const char*> {
+ protected:
+  WindowMethodTest() {
+    params.method = GetParam();
+    params.use_path = false;
+    avoidance = std::make_unique<LidarAvoidance>(params, kBody);
+    avoidance->setGoal(Pose2{2.5, 0.0, 0.0});
+  }
+  /// A scan that says nothing from -width to width ahead.
+  LaserScan blinded(double stamp_s, double width_rad) const {
+    LaserScan scan = room.scan({}, stamp_s);
+    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+      if (std::abs(wrapAngle(scan.angleOf(i))) < width_rad) scan.ranges_m[i] = std::nanf("");
+    }
+    return scan;
+  }
+
+  LidarAvoidanceParams params;
+  std::unique_ptr<LidarAvoidance> avoidance;
+  FlatWorld room = FlatWorld().box(-3.0, -3.0, 6.0, 3.0);
+};
+
+TEST_P(WindowMethodTest, DoesNotDriveWhereTheScanSaysNothing) {
+  const MotionCommand command = avoidance->update(blinded(0.0, 1.0), {}, odometryAt({}));
+  EXPECT_EQ(command.velocity.v_mps, 0.0);
+  const MotionCommand seen = avoidance->update(room.scan({}, 0.1), {}, odometryAt({}));
+  EXPECT_GT(seen.velocity.v_mps, 0.0);
+  const MotionCommand remembered = avoidance->update(blinded(0.2, 0.3), {}, odometryAt({}));
+  EXPECT_GT(remembered.velocity.v_mps, 0.0) << "it was free a moment ago";
+}
+
+TEST_P(WindowMethodTest, RemembersObstaclesWhenParametersChange) {
+  const FlatWorld post = FlatWorld(room).box(0.45, -0.1, 0.55, 0.1);
+  avoidance->update(post.scan({}, 0.0), {}, odometryAt({}));
+  params.speed.gentle_rad = 0.1;
+  avoidance->setParams(params);
+  avoidance->setGoal(Pose2{2.5, 0.0, 0.0});
+  const MotionCommand command = avoidance->update(blinded(0.1, 0.5), {}, odometryAt({}));
+  EXPECT_LT(command.velocity.v_mps, 0.2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, WindowMethodTest, testing::Values("vfh_plus", "vfh_star", "dwa"));
+
+TEST_F(LidarAvoidanceTest, ShowsTheDirectionsItChoseFrom) {
+  params.method = "vfh_star";
+  avoidance = LidarAvoidance(params, kBody);
+  avoidance.setGoal(Pose2{3.0, 0.0, 0.0});
+  avoidance.setPath(stampFromSeconds(0.0), pathThrough({{0, 0}, {3, 0}}));
+  world.box(0.6, -0.3, 0.9, 0.3);
+  update({0.0, 0.0, 0.5});
+  const auto shown = avoidance.directions(0.5);
+  ASSERT_TRUE(shown && shown->found);
+  EXPECT_TRUE(std::any_of(shown->candidates_rad.begin(), shown->candidates_rad.end(), [&](double candidate) {
+    return std::abs(angleBetween(candidate, shown->bearing_rad)) < 1e-9;
+  }));
 }
 
 class LidarAvoidanceMethod : public LidarAvoidanceTest, public testing::WithParamInterface<const char*> {
