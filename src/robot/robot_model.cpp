@@ -50,7 +50,7 @@ bool readShape(const Element& element, const Eigen::Isometry3d& base_from_link, 
       shape.geometry = SphereShape{static_cast<const urdf::Sphere&>(*element.geometry).radius};
       return true;
     default:
-      return false;  // meshes: the simulator and the footprint use the primitive shapes only
+      return false;  // meshes are not drawn
   }
 }
 
@@ -68,7 +68,12 @@ void collectShapes(const urdf::Link& link, const Eigen::Isometry3d& base_from_li
   for (const auto& collision : link.collision_array) {
     RobotShape shape;
     shape.link = link.name;
-    if (readShape(*collision, base_from_link, shape)) robot.collisions.push_back(shape);
+    if (!readShape(*collision, base_from_link, shape)) {
+      throw ConfigError(
+          "link \"" + link.name +
+          "\": its collision is a mesh, which tells no footprint; give it boxes, cylinders or spheres");
+    }
+    robot.collisions.push_back(shape);
   }
 }
 
@@ -128,12 +133,18 @@ DriveGeometry readDrive(const urdf::ModelInterface& model, const RobotModel& rob
   std::string left_link, right_link;
   for (const auto& [name, joint] : model.joints_) {
     if (joint->type != urdf::Joint::CONTINUOUS) continue;
+    const auto take = [&, &taken = joint](std::string& known, std::string& link) {
+      if (!known.empty()) {
+        throw ConfigError(where + ": both \"" + known + "\" and \"" + taken->name +
+                          "\" are continuous joints of one side; a differential drive has one");
+      }
+      known = taken->name;
+      link = taken->child_link_name;
+    };
     if (name.find("left") != std::string::npos) {
-      drive.left_joint = name;
-      left_link = joint->child_link_name;
+      take(drive.left_joint, left_link);
     } else if (name.find("right") != std::string::npos) {
-      drive.right_joint = name;
-      right_link = joint->child_link_name;
+      take(drive.right_joint, right_link);
     }
   }
   if (left_link.empty() || right_link.empty()) {

@@ -4,6 +4,7 @@
 
 #include <frugal_nav/ros/base_controller_node.hpp>
 #include <frugal_nav/ros/conversions.hpp>
+#include <frugal_nav/ros/node_main.hpp>
 #include <frugal_nav/ros/parameters.hpp>
 #include <frugal_nav/ros/planning_markers.hpp>
 
@@ -266,7 +267,8 @@ void BaseControllerNode::report(const BaseCommand& command) {
     ROS_LOG(waits ? ros::console::levels::Info : ros::console::levels::Warn, ROSCONSOLE_DEFAULT_NAME,
             "the base %s: %s", waits ? "waits" : "stands", command.text.c_str());
   }
-  if (!fault && isFault(last_.reason)) ROS_INFO("the base is free to move again");
+  const bool moves = command.reason == BaseCommand::Reason::kNone;
+  if (moves && isFault(last_.reason)) ROS_INFO("the base is free to move again");
   diagnostics_.status(fault ? diagnostic_msgs::DiagnosticStatus::WARN : diagnostic_msgs::DiagnosticStatus::OK,
                       command.text.empty() ? "follows " + std::string(nameOf(command.source)) : command.text);
   diagnostics_.set("source", nameOf(command.source));
@@ -280,7 +282,7 @@ void BaseControllerNode::show(const BaseCommand& command) const {
 }
 
 void BaseControllerNodelet::onInit() {
-  node_ = std::make_unique<BaseControllerNode>(getNodeHandle(), getPrivateNodeHandle());
+  node_ = makeNode<BaseControllerNode>(getNodeHandle(), getPrivateNodeHandle());
   last_word_ = std::make_unique<LastWord>(*getNodeHandle().getCallbackQueue(), [this] { node_->stop(); });
 }
 

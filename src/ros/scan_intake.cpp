@@ -7,6 +7,7 @@ namespace frugal_nav {
 namespace {
 
 constexpr double kCheckPeriod_s = 0.05;
+constexpr double kSilentAfter_s = 2.0;
 constexpr std::size_t kMostPending = 10;  // a second of scans: then the oldest is given up
 
 }  // namespace
@@ -35,6 +36,7 @@ void ScanIntake::onScan(const sensor_msgs::LaserScan& msg) {
   }
   checkStamp("scan", stamp);
   last_scan_ = stamp;
+  last_heard_ = ros::Time::now();
   diagnostics_.input("scan").received(stamp, toStamp(ros::Time::now()));
   Pending pending;
   pending.posed.scan = readBy(rules_, fromRos(msg));
@@ -57,6 +59,16 @@ void ScanIntake::onScan(const sensor_msgs::LaserScan& msg) {
 void ScanIntake::onTimer() {
   time_.checkClock();
   process();
+  watchSilence();
+}
+
+void ScanIntake::watchSilence() {
+  const ros::Time now = ros::Time::now();
+  if (last_heard_.isZero() || now < last_heard_) last_heard_ = now;
+  if ((now - last_heard_).toSec() <= kSilentAfter_s) return;
+  const std::string silence = "no scan on " + scan_sub_.getTopic() + ": is the laser's driver running?";
+  diagnostics_.status(diagnostic_msgs::DiagnosticStatus::WARN, silence);
+  ROS_WARN_THROTTLE(10.0, "%s", silence.c_str());
 }
 
 void ScanIntake::forget(Stamp now) {

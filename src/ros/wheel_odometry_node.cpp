@@ -10,6 +10,8 @@
 namespace frugal_nav {
 namespace {
 
+constexpr double kSilentAfter_s = 2.0;
+
 WheelOdometryNodeParams loadParams(const ros::NodeHandle& pnh) {
   WheelOdometryNodeParams params;
   loadParameters(pnh, params);
@@ -40,11 +42,25 @@ WheelOdometryNode::WheelOdometryNode(ros::NodeHandle nh, ros::NodeHandle pnh)
     wheels_sub_ = nh.subscribe("joint_states", 50, &WheelOdometryNode::onJointStates, this, hints);
     diagnostics_.input("joint_states");
   }
+  timer_ = nh.createTimer(ros::Duration(1.0), [this](const ros::TimerEvent&) { watchSilence(); });
   tuning_ = tuneLive<WheelOdometryNodeParams>(
       pnh, params_, [this](const WheelOdometryNodeParams& params) { odometry_.setParams(params.odometry); });
 }
 
+void WheelOdometryNode::watchSilence() {
+  const ros::Time now = ros::Time::now();
+  if (last_heard_.isZero() || now < last_heard_) last_heard_ = now;
+  if ((now - last_heard_).toSec() <= kSilentAfter_s) return;
+  std::string silence = "no message on " + wheels_sub_.getTopic();
+  if (params_.source != "ticks")
+    silence += " with the URDF's wheels " + robot_.drive.left_joint + " and " + robot_.drive.right_joint;
+  silence += ": is the base's driver running?";
+  diagnostics_.status(diagnostic_msgs::DiagnosticStatus::WARN, silence);
+  ROS_WARN_THROTTLE(10.0, "%s", silence.c_str());
+}
+
 void WheelOdometryNode::onTicks(const WheelTicks& msg) {
+  last_heard_ = ros::Time::now();
   if (msg.header.stamp.isZero()) {
     diagnostics_.input("wheel_ticks").refused("no stamp");
     return;
@@ -63,6 +79,7 @@ void WheelOdometryNode::onJointStates(const sensor_msgs::JointState& msg) {
   const std::ptrdiff_t left = indexOf(msg, robot_.drive.left_joint);
   const std::ptrdiff_t right = indexOf(msg, robot_.drive.right_joint);
   if (left < 0 || right < 0) return;  // other joints have publishers of their own
+  last_heard_ = ros::Time::now();
   if (msg.header.stamp.isZero() || msg.position.size() != msg.name.size()) {
     diagnostics_.input("joint_states").refused("no stamp, or not a position for each joint");
     return;

@@ -23,6 +23,10 @@ struct BaseControllerNodeParams {
     visit("base_frame", base_frame, atStart(Field{"", "frame of the robot, of scans and commands"}));
     control.fields(visit);
   }
+  std::string check() const {
+    return control.guard.hold_s * rate_hz < 1.0 - 1e-9 ? "guard/hold_s must be a cycle, 1 / rate_hz, or more"
+                                                       : "";
+  }
 };
 
 }  // namespace frugal_nav

@@ -25,12 +25,24 @@ int runNode(int argc, char** argv, const std::string& name) {
   return 0;
 }
 
+/// A node of a nodelet. Where its configuration is wrong the reason is told before the manager, which only
+/// says that the nodelet did not load.
+template <class Node>
+std::unique_ptr<Node> makeNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh) {
+  try {
+    return std::make_unique<Node>(nh, pnh);
+  } catch (const ConfigError& error) {
+    ROS_FATAL("%s: %s", pnh.getNamespace().c_str(), error.what());
+    throw;
+  }
+}
+
 /// The same node class as a nodelet. Its callbacks run on the single-threaded queue, so the class needs no
 /// lock.
 template <class Node>
 class NodeletOf : public nodelet::Nodelet {
  private:
-  void onInit() override { node_ = std::make_unique<Node>(getNodeHandle(), getPrivateNodeHandle()); }
+  void onInit() override { node_ = makeNode<Node>(getNodeHandle(), getPrivateNodeHandle()); }
 
   std::unique_ptr<Node> node_;
 };

@@ -67,6 +67,7 @@ class ScanIntake {
 
   void onScan(const sensor_msgs::LaserScan& msg);
   void onTimer();
+  void watchSilence();
   void forget(Stamp now);
   bool complete(Pending& pending);
 
@@ -80,6 +81,7 @@ class ScanIntake {
   OdometryIntake odometry_;
   std::deque<Pending> pending_;
   std::optional<Stamp> last_scan_;
+  ros::Time last_heard_;  ///< when a scan came, or the clock began
 
   ros::Subscriber scan_sub_;
   ros::Timer timer_;

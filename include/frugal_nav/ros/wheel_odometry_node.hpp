@@ -24,6 +24,7 @@ class WheelOdometryNode {
   WheelOdometryNode(ros::NodeHandle nh, ros::NodeHandle pnh);
 
  private:
+  void watchSilence();
   void onTicks(const WheelTicks& msg);
   void onJointStates(const sensor_msgs::JointState& msg);
   void publish(const Odometry& odometry);
@@ -40,6 +41,8 @@ class WheelOdometryNode {
   ros::Publisher odom_pub_;
   ros::Publisher joints_pub_;
   ros::Subscriber wheels_sub_;
+  ros::Time last_heard_;  ///< when the wheels were heard of, or the clock began
+  ros::Timer timer_;
 };
 
 }  // namespace frugal_nav

@@ -135,6 +135,22 @@ TEST(RobotModel, RefusesARobotWithoutBaseLink) {
   EXPECT_NE(refusal("<robot name='r'><link name='body'/></robot>").find("base_link"), std::string::npos);
 }
 
+TEST(RobotModel, RefusesTwoWheelsOnOneSide) {
+  const std::string wheels = wheel("left", 0.2) + wheel("right", -0.2) + wheel("rear_left", 0.2);
+  const std::string why = refusal(robot(wheels));
+  EXPECT_NE(why.find("\"left_joint\""), std::string::npos) << why;
+  EXPECT_NE(why.find("\"rear_left_joint\""), std::string::npos) << why;
+}
+
+TEST(RobotModel, RefusesAMeshThatTellsNoFootprint) {
+  const std::string body =
+      "<link name='body'><collision><geometry><mesh "
+      "filename='package://r/body.stl'/></geometry></collision></link>"
+      "<joint name='body_joint' type='fixed'><parent link='base_link'/><child link='body'/></joint>";
+  const std::string why = refusal(robot(body + wheel("left", 0.2) + wheel("right", -0.2)));
+  EXPECT_NE(why.find("link \"body\": its collision is a mesh"), std::string::npos) << why;
+}
+
 TEST(RobotModel, RefusesBothWheelsAtOnePlace) {
   EXPECT_NE(refusal(robot(wheel("left", 0.0) + wheel("right", 0.0))).find("same place"), std::string::npos);
 }
