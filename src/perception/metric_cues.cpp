@@ -173,9 +173,9 @@ std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contact
     const FloorContact& contact = contacts[static_cast<std::size_t>(column)];
     if (contact.state != FloorContact::State::kContact) continue;
     if (isContradicted(column, contact, points, fitted)) continue;
-    const auto depth = static_cast<float>(contact.depth_m);
     const int first = contact.row - kSkip;
     for (int row = first; row >= 0; --row) {
+      const float depth = rays.uprightDepth(row, contact.row, column, static_cast<float>(contact.depth_m));
       const float height_m = rays.heightAt(row, column, depth);
       const bool is_foot = row >= contact.row - 6 || height_m <= kFoot_m;
       if (!is_foot && (height_m > kHighest_m || !isAlike(small_bgr, row, column, kSameColour))) break;
@@ -183,7 +183,7 @@ std::vector<DepthAnchor> contactAnchors(const std::vector<FloorContact>& contact
       const double sigma = std::hypot(contact.sigma_m / contact.depth_m,
                                       is_foot ? 0.0 : kLeanPerM * static_cast<double>(height_m));
       anchors.push_back({cv::Point2f(static_cast<float>(column), static_cast<float>(row)),
-                         1.0 / contact.depth_m, sigma, kContactGate});
+                         1.0 / static_cast<double>(depth), sigma, kContactGate});
     }
   }
   return anchors;

@@ -41,6 +41,11 @@ class ViewRays {
   float heightAt(int row, int column, float depth_m) const {
     return origin_.z() + depth_m * ray(row, column).z();
   }
+  /// Depth at a row of what stands upright where the column's `foot_row` shows it at `depth_m`: a camera that
+  /// looks up or down sees head and foot at different depths.
+  float uprightDepth(int row, int foot_row, int column, float depth_m) const {
+    return depth_m * ray(foot_row, column).head<2>().norm() / ray(row, column).head<2>().norm();
+  }
   /// 1 / depth at which a ray meets the floor [1/m]; 0 at the horizon, negative above it.
   float inverseFloorDepth(int row, int column) const { return -ray(row, column).z() / origin_.z(); }
 
