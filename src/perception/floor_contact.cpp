@@ -181,18 +181,50 @@ struct Edge {
   double strength = 0.0;
 };
 
-/// The strongest change from row to row within a band of the image, mean over some columns.
-Edge strongestEdge(const cv::Mat& bgr, const cv::Rect& band) {
-  std::vector<cv::Vec3f> rows;
-  for (int row = band.y; row < band.y + band.height; ++row) {
-    const cv::Scalar mean = cv::mean(bgr(cv::Rect(band.x, row, band.width, 1)));
-    rows.emplace_back(static_cast<float>(mean[0]), static_cast<float>(mean[1]), static_cast<float>(mean[2]));
+/// Sums of the colours of a strip of the image from its first row on: element i is that of the first i rows.
+std::vector<cv::Vec3f> sumsOf(const cv::Mat& strip) {
+  std::vector<cv::Vec3f> sums{cv::Vec3f()};
+  const float share = 1.0F / static_cast<float>(strip.cols);
+  for (int row = 0; row < strip.rows; ++row) {
+    const auto* pixels = strip.ptr<cv::Vec3b>(row);
+    cv::Vec3f sum;
+    for (int column = 0; column < strip.cols; ++column) sum += cv::Vec3f(pixels[column]);
+    sums.push_back(sums.back() + share * sum);
   }
-  Edge edge;
-  edge.row = band.y + 0.5 * band.height - 0.5;
-  for (std::size_t i = 1; i + 2 < rows.size(); ++i) {
-    const double step = static_cast<double>(colourStep(rows[i - 1], rows[i + 2]));
-    if (step > edge.strength) edge = {band.y + static_cast<double>(i) + 0.5, step};
+  return sums;
+}
+
+/// Change of the mean colour from `reach` rows to the next ones, which begin at `row`.
+float stepAt(const std::vector<cv::Vec3f>& sums, int row, int reach) {
+  const auto i = static_cast<std::size_t>(row);
+  const auto n = static_cast<std::size_t>(reach);
+  return colourStep(sums[i] - sums[i - n], sums[i + n] - sums[i]) / static_cast<float>(reach);
+}
+
+constexpr int kCoarseRows = 6;
+constexpr int kFineRows = 2;
+
+/// The strongest change within a strip of the image, the more likely the nearer to the row where it is
+/// expected. Means over some rows look past the pattern of thing and floor; those over fewer tell the row.
+Edge strongestEdge(const cv::Mat& bgr, const cv::Rect& strip, double expected_row, double sigma_px) {
+  const std::vector<cv::Vec3f> sums = sumsOf(bgr(strip));
+  Edge edge{expected_row, 0.0};
+  const int reach = std::clamp(strip.height / 6, kFineRows, kCoarseRows);
+  int best = 0;
+  double most = 0.0;
+  for (int row = reach; row + reach <= strip.height; ++row) {
+    const double off = (strip.y + row - 0.5 - expected_row) / sigma_px;
+    const double likely = static_cast<double>(stepAt(sums, row, reach)) * std::exp(-0.5 * off * off);
+    if (likely <= most) continue;
+    most = likely;
+    best = row;
+  }
+  if (best == 0) return edge;
+  const int first = std::max(kFineRows, best - kFineRows);
+  const int last = std::min(strip.height - kFineRows, best + kFineRows);
+  for (int row = first; row <= last; ++row) {
+    const auto step = static_cast<double>(stepAt(sums, row, kFineRows));
+    if (step > edge.strength) edge = {strip.y + row - 0.5, step};
   }
   return edge;
 }
@@ -233,15 +265,17 @@ void refineContacts(const cv::Mat& bgr, const ViewRays& rays, const FloorContact
     if (contact.state != FloorContact::State::kContact) continue;
     const double coarse = rays.toImage({column, contact.row + 0.5}).y();
     const double middle = rays.toImage({column, contact.row}).x();
-    const int reach = cvCeil(1.5 * cell_px) + 1;
+    const double line_sigma = params.blurred_sigma_cells * cell_px;
+    // Cut off on one side only, the strip would draw the line to the other.
+    const int reach = std::min(cvCeil(2.5 * line_sigma) + kCoarseRows, bgr.rows - cvRound(coarse));
     const int half_width = std::max(1, cvRound(0.5 * cell_px));
-    const cv::Rect band =
+    const cv::Rect strip =
         cv::Rect(cvRound(middle) - half_width, cvRound(coarse) - reach, 2 * half_width + 1, 2 * reach + 2) &
         image;
-    const Edge edge = band.height > 3 && band.width > 0 ? strongestEdge(bgr, band) : Edge{coarse, 0.0};
+    const Edge edge = strongestEdge(bgr, strip, coarse, line_sigma);
     const bool is_sharp = edge.strength >= 3.0 * params.min_edge;
     contact.image_row = is_sharp ? edge.row : coarse;
-    const double row_sigma = is_sharp ? params.sharp_sigma_px : params.blurred_sigma_cells * cell_px;
+    const double row_sigma = is_sharp ? params.sharp_sigma_px : line_sigma;
     const Eigen::Vector3d ray = rays.rayThrough({middle, contact.image_row});
     const double inverse = -ray.z() / rays.cameraHeight_m();
     if (!(inverse * params.max_depth_m > 1.0)) {

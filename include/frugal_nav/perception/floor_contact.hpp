@@ -23,7 +23,7 @@ struct FloorContactParams {
   int smooth_columns = 3;
   double min_edge = 4.0;
   double sharp_sigma_px = 1.0;
-  double blurred_sigma_cells = 1.5;
+  double blurred_sigma_cells = 2.0;
   double pitch_sigma_rad = 0.004;
 
   template <class Visitor>

@@ -56,6 +56,14 @@ TEST_F(Floor, RaysMeetItWhereHeightAndPitchSay) {
   EXPECT_EQ(view_.rays().firstRowBelowHorizon(80), 72);
 }
 
+TEST_F(Floor, ACameraPitchedUpSeesAHeadFartherThanItsFoot) {
+  view_.boards = {{2.0, -0.3, 0.3, 0.6}};
+  const cv::Mat inverse = view_.inverseDepth();
+  const float head = view_.rays().uprightDepth(70, 95, 80, 1.0F / inverse.at<float>(95, 80));
+  EXPECT_NEAR(head, 1.0F / inverse.at<float>(70, 80), 1e-4F);
+  EXPECT_GT(head * inverse.at<float>(95, 80), 1.01F);
+}
+
 TEST_F(Floor, IsTheClusterAtTheBottomOfTheImage) {
   view_.boards = {{2.0, -0.2, 0.2, 0.6}};
   FloorMask mask{FloorMaskParams{}};
@@ -93,6 +101,21 @@ TEST_F(Floor, LineTellsTheDistanceOfWhatStandsOnIt) {
     const double row_m = x_m * x_m / (0.4 * 532.0);
     EXPECT_NEAR(found[80].depth_m, footDepth(x_m), row_m + 0.005) << x_m;
     EXPECT_GT(found[80].sigma_m, 0.5 * row_m);
+  }
+}
+
+// A network blurs the line by some cells: 12 px are 1.5 of the line's sigma. Tiles end nearer to where it is
+// then looked for, but change less. A pixel is 2 cm there.
+TEST_F(Floor, ALineSomeCellsOffComesBackToTheFoot) {
+  view_.boards = {{2.0, -0.3, 0.3, 0.6}};
+  view_.tile_m = 0.3;
+  view_.floor_colour_2 = {100, 130, 110};
+  for (const int off : {-3, 3}) {
+    auto found = findFloorContacts(floorEvidence(view_.floor(), FloorContactParams{}), view_.inverseDepth(),
+                                   view_.rays(), FloorContactParams{});
+    found[80].row += off;
+    refineContacts(view_.image(), view_.rays(), FloorContactParams{}, found);
+    EXPECT_NEAR(found[80].depth_m, footDepth(2.0), 0.02) << off;
   }
 }
 
