@@ -23,6 +23,21 @@ std::optional<Height> heightOf(const DepthAnchor& point, const ViewRays& rays) {
   return Height{rays.cameraHeight_m() + rise, point.relative_sigma * std::abs(rise)};
 }
 
+/// Inverse depth of the points about one that lie as far: of single ones the nearest would tell, which errs
+/// most.
+double settled(const DepthAnchor& point, const std::vector<DepthAnchor>& points) {
+  constexpr float kReach = 10.0F;  // cells
+  std::vector<double> alike;
+  for (const DepthAnchor& other : points) {
+    if (std::abs(other.cell.x - point.cell.x) <= kReach && std::abs(other.cell.y - point.cell.y) <= kReach &&
+        isAsFar(point, other))
+      alike.push_back(other.inverse_depth_pm);
+  }
+  const auto middle = alike.begin() + static_cast<std::ptrdiff_t>(alike.size() / 2);
+  std::nth_element(alike.begin(), middle, alike.end());
+  return *middle;
+}
+
 /// Points that surely lie over the floor, and low enough for the robot; from left to right.
 std::vector<DepthAnchor> pointsOverFloor(const std::vector<DepthAnchor>& points, const ViewRays& rays,
                                          double max_height_m) {
@@ -32,7 +47,9 @@ std::vector<DepthAnchor> pointsOverFloor(const std::vector<DepthAnchor>& points,
     const std::optional<Height> height = heightOf(point, rays);
     const bool is_over =
         height && height->value_m - 2.0 * height->sigma_m > kLeastHeight_m && height->value_m < max_height_m;
-    if (is_over) over.push_back(point);
+    if (!is_over) continue;
+    over.push_back(point);
+    over.back().inverse_depth_pm = settled(point, points);
   }
   std::sort(over.begin(), over.end(),
             [](const DepthAnchor& a, const DepthAnchor& b) { return a.cell.x < b.cell.x; });

@@ -1,4 +1,5 @@
 // From a fitted depth to surfaces, a scan, and things that move.
+#include "../../../src/perception/standing_points.hpp"
 #include "flat_view.hpp"
 
 #include <gtest/gtest.h>
@@ -50,6 +51,27 @@ TEST(DepthCorrection, AnAnchorFarOffIsAnotherSurfaces) {
   const cv::Mat inverse = view.inverseDepth();
   const std::vector<DepthAnchor> wrong(50, {cv::Point2f(80.0F, 60.0F), 1.5, 0.02, 0.6});
   EXPECT_EQ(cv::norm(correctDepth(inverse, wrong, DepthCorrectionParams{}), inverse, cv::NORM_INF), 0.0);
+}
+
+// Every fourth point on a thing lies 8 % too near, which counts as one depth still. By the nearest the thing
+// would reach down that far below its foot; their median is exact.
+TEST(StandingPoints, ScatterDoesNotBringAThingNearer) {
+  test::FlatView view;
+  view.boards = {{2.0, -0.3, 0.3, 0.6}};
+  const cv::Mat inverse = view.inverseDepth();
+  std::vector<DepthAnchor> points;
+  for (int row = 66; row < 92; row += 3) {
+    for (int column = 66; column < 94; column += 3) {
+      const double scatter = points.size() % 4 == 1 ? 1.08 : 1.0;
+      const cv::Point2f cell(static_cast<float>(column), static_cast<float>(row));
+      points.push_back({cell, scatter * static_cast<double>(inverse.at<float>(row, column)), 0.02});
+    }
+  }
+  double nearest = 0.0;
+  cv::minMaxLoc(findStanding(points, view.rays(), 0.5), nullptr, &nearest);
+  // At 5 degrees of pitch the point lowest in view is some 2 % nearer than the middle ones.
+  EXPECT_LT(nearest * 2.0, 1.04);
+  EXPECT_GT(nearest * 2.0, 1.0);
 }
 
 class Surfaces : public testing::Test {
