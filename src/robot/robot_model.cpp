@@ -131,20 +131,20 @@ DriveGeometry readDrive(const urdf::ModelInterface& model, const RobotModel& rob
                         const std::string& where) {
   DriveGeometry drive;
   std::string left_link, right_link;
+  const auto take = [&where](const urdf::Joint& joint, std::string& known, std::string& link) {
+    if (!known.empty()) {
+      throw ConfigError(where + ": both \"" + known + "\" and \"" + joint.name +
+                        "\" are continuous joints of one side; a differential drive has one");
+    }
+    known = joint.name;
+    link = joint.child_link_name;
+  };
   for (const auto& [name, joint] : model.joints_) {
     if (joint->type != urdf::Joint::CONTINUOUS) continue;
-    const auto take = [&, &taken = joint](std::string& known, std::string& link) {
-      if (!known.empty()) {
-        throw ConfigError(where + ": both \"" + known + "\" and \"" + taken->name +
-                          "\" are continuous joints of one side; a differential drive has one");
-      }
-      known = taken->name;
-      link = taken->child_link_name;
-    };
     if (name.find("left") != std::string::npos) {
-      take(drive.left_joint, left_link);
+      take(*joint, drive.left_joint, left_link);
     } else if (name.find("right") != std::string::npos) {
-      take(drive.right_joint, right_link);
+      take(*joint, drive.right_joint, right_link);
     }
   }
   if (left_link.empty() || right_link.empty()) {

@@ -58,7 +58,7 @@ void ImageIntake::watchListeners() {
     return;
   }
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  last_heard_ = ros::Time::now();
+  silence_.heard(ros::Time::now());
   info_sub_ = nh_.subscribe(kInfo, 1, &ImageIntake::onCameraInfo, this, hints);
   image_sub_ = transport_.subscribe(kImage, 1, &ImageIntake::onImage, this,
                                     image_transport::TransportHints(params_.image_transport, hints, nh_));
@@ -72,11 +72,12 @@ void ImageIntake::onImage(const sensor_msgs::ImageConstPtr& msg) {
   }
   time_.checkStamp(kImage, stamp);
   last_image_ = stamp;
-  last_heard_ = ros::Time::now();
-  diagnostics_.input(kImage).received(stamp, toStamp(last_heard_));
+  const ros::Time now = ros::Time::now();
+  silence_.heard(now);
+  diagnostics_.input(kImage).received(stamp, toStamp(now));
   DecodedImage image = decode(msg);
   Pending pending;
-  pending.since = last_heard_;
+  pending.since = now;
   CameraFrame& frame = pending.frame;
   frame.stamp = stamp;
   frame.frame = msg->header.frame_id;
@@ -107,10 +108,7 @@ void ImageIntake::onTimer() {
   time_.checkClock();
   watchListeners();  // in a nodelet one may have come while the outputs were still being advertised
   process();
-  const ros::Time now = ros::Time::now();
-  const bool clock_began = last_heard_.isZero();                 // simulated time comes after the nodes
-  last_heard_ = clock_began ? now : std::min(last_heard_, now);  // which may have jumped back
-  if (!image_sub_ || (now - last_heard_).toSec() <= params_.silent_after_s) return;
+  if (!silence_.isSilent(ros::Time::now(), params_.silent_after_s) || !image_sub_) return;
   const std::string silence = "no image on " + nh_.resolveName(kImage) + ": is the camera's driver running?";
   if (callbacks_.silent) {
     callbacks_.silent(silence);

@@ -36,7 +36,7 @@ void ScanIntake::onScan(const sensor_msgs::LaserScan& msg) {
   }
   checkStamp("scan", stamp);
   last_scan_ = stamp;
-  last_heard_ = ros::Time::now();
+  silence_.heard(ros::Time::now());
   diagnostics_.input("scan").received(stamp, toStamp(ros::Time::now()));
   Pending pending;
   pending.posed.scan = readBy(rules_, fromRos(msg));
@@ -63,9 +63,7 @@ void ScanIntake::onTimer() {
 }
 
 void ScanIntake::watchSilence() {
-  const ros::Time now = ros::Time::now();
-  if (last_heard_.isZero() || now < last_heard_) last_heard_ = now;
-  if ((now - last_heard_).toSec() <= kSilentAfter_s) return;
+  if (!silence_.isSilent(ros::Time::now(), kSilentAfter_s)) return;
   const std::string silence = "no scan on " + scan_sub_.getTopic() + ": is the laser's driver running?";
   diagnostics_.status(diagnostic_msgs::DiagnosticStatus::WARN, silence);
   ROS_WARN_THROTTLE(10.0, "%s", silence.c_str());

@@ -48,9 +48,7 @@ WheelOdometryNode::WheelOdometryNode(ros::NodeHandle nh, ros::NodeHandle pnh)
 }
 
 void WheelOdometryNode::watchSilence() {
-  const ros::Time now = ros::Time::now();
-  if (last_heard_.isZero() || now < last_heard_) last_heard_ = now;
-  if ((now - last_heard_).toSec() <= kSilentAfter_s) return;
+  if (!silence_.isSilent(ros::Time::now(), kSilentAfter_s)) return;
   std::string silence = "no message on " + wheels_sub_.getTopic();
   if (params_.source != "ticks")
     silence += " with the URDF's wheels " + robot_.drive.left_joint + " and " + robot_.drive.right_joint;
@@ -60,7 +58,7 @@ void WheelOdometryNode::watchSilence() {
 }
 
 void WheelOdometryNode::onTicks(const WheelTicks& msg) {
-  last_heard_ = ros::Time::now();
+  silence_.heard(ros::Time::now());
   if (msg.header.stamp.isZero()) {
     diagnostics_.input("wheel_ticks").refused("no stamp");
     return;
@@ -79,7 +77,7 @@ void WheelOdometryNode::onJointStates(const sensor_msgs::JointState& msg) {
   const std::ptrdiff_t left = indexOf(msg, robot_.drive.left_joint);
   const std::ptrdiff_t right = indexOf(msg, robot_.drive.right_joint);
   if (left < 0 || right < 0) return;  // other joints have publishers of their own
-  last_heard_ = ros::Time::now();
+  silence_.heard(ros::Time::now());
   if (msg.header.stamp.isZero() || msg.position.size() != msg.name.size()) {
     diagnostics_.input("joint_states").refused("no stamp, or not a position for each joint");
     return;

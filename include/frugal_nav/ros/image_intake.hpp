@@ -22,6 +22,7 @@
 #include <frugal_nav/ros/intake_params.hpp>
 #include <frugal_nav/ros/odometry_intake.hpp>
 #include <frugal_nav/ros/sensor_poses.hpp>
+#include <frugal_nav/ros/silence_watch.hpp>
 #include <frugal_nav/ros/time_jump_watch.hpp>
 
 namespace frugal_nav {
@@ -124,7 +125,7 @@ class ImageIntake {
   std::optional<Calibration> calibration_;
   std::deque<Pending> pending_;
   std::optional<Stamp> last_image_;
-  ros::Time last_heard_;  // of the camera, in ROS time
+  SilenceWatch silence_;  // of the camera
 
   bool always_ = false;  // images are taken without listeners too
   std::vector<ros::Publisher> outputs_;

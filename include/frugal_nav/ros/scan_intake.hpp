@@ -15,6 +15,7 @@
 #include <frugal_nav/ros/intake_params.hpp>
 #include <frugal_nav/ros/odometry_intake.hpp>
 #include <frugal_nav/ros/sensor_poses.hpp>
+#include <frugal_nav/ros/silence_watch.hpp>
 #include <frugal_nav/ros/time_jump_watch.hpp>
 
 namespace frugal_nav {
@@ -81,7 +82,7 @@ class ScanIntake {
   OdometryIntake odometry_;
   std::deque<Pending> pending_;
   std::optional<Stamp> last_scan_;
-  ros::Time last_heard_;  ///< when a scan came, or the clock began
+  SilenceWatch silence_;
 
   ros::Subscriber scan_sub_;
   ros::Timer timer_;

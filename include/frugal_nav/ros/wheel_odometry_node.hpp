@@ -12,6 +12,7 @@
 #include <frugal_nav/robot/robot_model.hpp>
 #include <frugal_nav/ros/diagnostics.hpp>
 #include <frugal_nav/ros/live_parameters.hpp>
+#include <frugal_nav/ros/silence_watch.hpp>
 #include <frugal_nav/ros/wheel_odometry_params.hpp>
 
 namespace frugal_nav {
@@ -41,7 +42,7 @@ class WheelOdometryNode {
   ros::Publisher odom_pub_;
   ros::Publisher joints_pub_;
   ros::Subscriber wheels_sub_;
-  ros::Time last_heard_;  ///< when the wheels were heard of, or the clock began
+  SilenceWatch silence_;
   ros::Timer timer_;
 };
 

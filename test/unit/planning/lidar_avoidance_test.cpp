@@ -171,6 +171,14 @@ TEST_P(WindowMethodTest, DoesNotDriveWhereTheScanSaysNothing) {
   EXPECT_GT(remembered.velocity.v_mps, 0.0) << "it was free a moment ago";
 }
 
+TEST_P(WindowMethodTest, RemembersFreeSpaceWhenParametersChange) {
+  avoidance->update(room.scan({}, 0.0), {}, odometryAt({}));
+  params.speed.gentle_rad = 0.1;
+  avoidance->setParams(params);
+  const MotionCommand command = avoidance->update(blinded(0.1, 0.3), {}, odometryAt({}));
+  EXPECT_GT(command.velocity.v_mps, 0.0) << "what is not known would stop it";
+}
+
 TEST_P(WindowMethodTest, RemembersObstaclesWhenParametersChange) {
   const FlatWorld post = FlatWorld(room).box(0.45, -0.1, 0.55, 0.1);
   avoidance->update(post.scan({}, 0.0), {}, odometryAt({}));
