@@ -225,6 +225,13 @@ TEST_F(GoalTracking, GoesWhereItStandsNowWhenItsPlaceIsEmpty) {
   EXPECT_NEAR(tracker_.goal()->p_odom.y(), 0.8, 0.02);
 }
 
+// Near the goal its head is above the image, and its shadow on the wall is not.
+TEST_F(GoalTracking, DoesNotGoElsewhereWhileItsPlaceIsOutOfView) {
+  findGoalAt(3, 0);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(frame({sightingAt(3, 0.8, 0.9, 0.03)}, false), State::kUnseen);
+  EXPECT_NEAR(tracker_.goal()->p_odom.y(), 0.0, 0.02);
+}
+
 TEST_F(GoalTracking, StaysWhereItIsSeenThoughAnotherStandsNearby) {
   findGoalAt(3, 0);
   for (int i = 0; i < 20; ++i) frame({sightingAt(3, 0.8, 0.9, 0.03), sightingAt(3, 0, 0.6)});
