@@ -83,13 +83,14 @@ struct DepthGap::Impl {
     return fitted.empty() || anchors.empty() ? fitted : correctDepth(fitted, anchors, params.correction);
   }
 
-  void fitMetres(const DepthView& view, const cv::Mat& floor_mask, DepthFrame& frame) {
+  void fitMetres(const DepthView& view, bool with_points, const cv::Mat& floor_mask, DepthFrame& frame) {
     if (params.method == "unscaled") {
       frame.fit.known = true;
       frame.fit.a = params.unscaled_factor_pm;
       return;
     }
-    std::vector<MetricSample> samples = voSamples(view, *rays, frame.inverse, params.vo_scale_sigma);
+    std::vector<MetricSample> samples;
+    if (with_points) samples = voSamples(view, *rays, frame.inverse, params.vo_scale_sigma);
     if (params.method == "fused") {
       append(floorSamples(floor_mask, *rays, frame.inverse, params.contact.pitch_sigma_rad), samples);
       append(goalSamples(view, *rays, frame.inverse, params.min_goal_sigma), samples);
@@ -214,14 +215,17 @@ struct DepthGap::Impl {
     const cv::Mat expected =
         use_geometry ? mendedBy(remembered, fittedInverse(frame.inverse, filter.fit())) : cv::Mat();
     std::vector<DepthAnchor> anchors = voAnchors(view, *rays, params.vo_scale_sigma);
-    if (use_geometry && !agrees(anchors, expected)) distrust(anchors);
+    // Against what was known a moment ago they are a map of the wrong scale, or of wrong matches.
+    const bool is_trusted = !use_geometry || agrees(anchors, expected);
+    if (!is_trusted && !expected.empty()) anchors.clear();
+    if (!is_trusted) distrust(anchors);
     const std::vector<DepthAnchor> points = use_geometry ? agreedOn(anchors) : std::vector<DepthAnchor>();
     cv::Mat evidence = lookForFloor(small, probability, expected);
     const cv::Mat standing = findStanding(points, *rays, params.scan.max_height_m);
     confirmFloor(points, *rays, evidence);
     denyFloor(standing, evidence);
     append(standingAnchors(standing), anchors);
-    fitMetres(view, floorBefore(evidence, expected), frame);
+    fitMetres(view, is_trusted || expected.empty(), floorBefore(evidence, expected), frame);
     const cv::Mat fitted = fittedInverse(frame.inverse, frame.fit);
     frame.contacts = findFloorContacts(evidence, use_geometry ? mendedBy(anchors, fitted) : cv::Mat(), *rays,
                                        params.contact);

@@ -10,6 +10,8 @@ namespace frugal_nav {
 namespace {
 
 constexpr double kNearest_m = 0.1;
+// Nearer points of visual odometry are wrong matches: nothing gets there unseen.
+constexpr double kNearestPoint_m = 0.35;
 constexpr double kFarthest_m = 20.0;
 // How far a fitted depth may be off (logarithm).
 constexpr double kContactGate = 0.6;
@@ -51,7 +53,7 @@ std::vector<KnownDepth> voDepths(const DepthView& view, const ViewRays& rays, do
   std::vector<KnownDepth> known;
   for (const MetricPoint& point : view.points) {
     const double depth = depthOf(point.p_odom, view);
-    if (!(depth > kNearest_m) || !(depth < kFarthest_m) || !(point.sigma_m >= 0.0)) continue;
+    if (!(depth > kNearestPoint_m) || !(depth < kFarthest_m) || !(point.sigma_m >= 0.0)) continue;
     const double sigma = std::hypot(point.sigma_m, scale_sigma * depth);
     constexpr double kMostUnsure = 0.5;
     if (!(sigma < kMostUnsure * depth)) continue;

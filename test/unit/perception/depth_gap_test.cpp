@@ -160,6 +160,22 @@ TEST_F(DepthGapLook, PointsOfAWrongScaleShowNothing) {
   EXPECT_GT(frame.obstacle.found ? frame.obstacle.distance_m : 9.0, 2.0);
 }
 
+// On the way without a floor in view points alone would carry the scale off within a second.
+TEST_F(DepthGapLook, PointsOfAWrongScaleDoNotCarryTheScaleOff) {
+  flat_.boards.clear();
+  flat_.wall_x_m = 2.6;
+  DepthFrame frame = look();
+  const double scale = frame.fit.a;
+  flat_.wall_x_m = 0.9;  // its foot is below the image
+  addPoints(4);
+  for (MetricPoint& point : view_.points) {
+    const Eigen::Vector3d eye = view_.base_from_optical.translation();
+    point.p_odom = eye + (point.p_odom - eye) / 2.0;
+  }
+  for (int i = 0; i < 5; ++i) frame = look();
+  EXPECT_NEAR(frame.fit.a, scale, 0.2 * scale);
+}
+
 TEST_F(DepthGapLook, PointsOnTheFloorKeepItFloor) {
   addPoints(3);
   // The network takes the floor before the board for the board's lower part.
