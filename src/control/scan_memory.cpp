@@ -24,15 +24,16 @@ void ScanMemory::add(const LaserScan& scan, const Pose2& base_from_sensor, const
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     if (classify(scan, scan.ranges_m[i]) != Return::kHit) continue;
     const Eigen::Vector2d p_base = base_from_sensor * *obstacleAt(scan, i);
-    if (p_base.norm() <= params_.range_m) keep({odom_from_base * p_base, scan.stamp});
+    const Eigen::Vector2d p_odom = odom_from_base * p_base;
+    if (p_base.norm() <= params_.range_m) keep({p_odom, scan.stamp, isConfirmed(p_odom)});
   }
   const Pose2 sensor_from_odom = (odom_from_base * base_from_sensor).inverse();
   const Duration span = fromSeconds(params_.memory_s);
   for (const Point& point : points_) {
     if (scan.stamp - point.stamp > span) continue;
-    const View view = viewOf(sensor_from_odom * point.p_odom, scan);
+    const View view = viewOf(sensor_from_odom * point.p_odom, point.confirmed, scan);
     if (view == View::kThrough) continue;
-    keep({point.p_odom, view == View::kTooClose ? scan.stamp : point.stamp});
+    keep({point.p_odom, view == View::kTooClose ? scan.stamp : point.stamp, point.confirmed});
   }
   points_ = std::move(fresh);
 }
@@ -49,9 +50,18 @@ bool ScanMemory::knows(const LaserScan& scan, std::size_t beam, const Pose2& odo
   });
 }
 
-ScanMemory::View ScanMemory::viewOf(const Eigen::Vector2d& p_sensor, const LaserScan& scan) const {
+/// Whether an earlier scan saw something about there: so near that it is the same thing.
+bool ScanMemory::isConfirmed(const Eigen::Vector2d& p_odom) const {
+  constexpr double kSame_m = 0.15;
+  return std::any_of(points_.begin(), points_.end(), [&](const Point& point) {
+    return (point.p_odom - p_odom).squaredNorm() < kSame_m * kSame_m;
+  });
+}
+
+ScanMemory::View ScanMemory::viewOf(const Eigen::Vector2d& p_sensor, bool confirmed,
+                                    const LaserScan& scan) const {
   const double range_m = p_sensor.norm();
-  if (range_m < params_.below_view_m || scan.angle_increment_rad == 0.0) return View::kHidden;
+  if ((range_m < params_.below_view_m && confirmed) || scan.angle_increment_rad == 0.0) return View::kHidden;
   const double step_rad = std::abs(scan.angle_increment_rad);
   const int turn = static_cast<int>(std::lround(2.0 * M_PI / step_rad));
   const double bearing_rad = std::atan2(p_sensor.y(), p_sensor.x());

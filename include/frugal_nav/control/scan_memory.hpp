@@ -32,8 +32,8 @@ struct ScanMemoryParams {
     visit(
         "below_view_m", below_view_m,
         Field{"m",
-              "nearer to the sensor than this a later scan does not take back what was seen: low things are "
-              "below a camera's view",
+              "nearer to the sensor than this a later scan does not take back what two scans have seen: low "
+              "things are below a camera's view",
               0.0, 5.0});
     visit("cell_m", cell_m,
           Field{"m",
@@ -73,9 +73,11 @@ class ScanMemory {
   struct Point {
     Eigen::Vector2d p_odom;
     Stamp stamp{};
+    bool confirmed = false;  ///< seen about there in another scan too
   };
   enum class View { kThrough, kHidden, kTooClose };
-  View viewOf(const Eigen::Vector2d& p_sensor, const LaserScan& scan) const;
+  View viewOf(const Eigen::Vector2d& p_sensor, bool confirmed, const LaserScan& scan) const;
+  bool isConfirmed(const Eigen::Vector2d& p_odom) const;
 
   ScanMemoryParams params_;
   std::vector<Point> points_;

@@ -28,12 +28,14 @@ std::vector<Eigen::Vector2d> seenAt(const ScanMemory& memory, double at_s, const
   return memory.pointsAt(kStart + fromSeconds(at_s), pose);
 }
 
-/// One point 1 m straight ahead of the origin of odom.
-ScanMemory withPoint() {
+/// One point 1 m straight ahead of the origin of odom, last seen at 0 s.
+ScanMemory withPoint(int sightings = 2) {
   ScanMemory memory{ScanMemoryParams{}};
-  LaserScan scan = view(0.0);
-  scan.ranges_m[30] = 1.0F;
-  memory.add(scan, {}, {});
+  for (int i = sightings - 1; i >= 0; --i) {
+    LaserScan scan = view(-0.1 * i);
+    scan.ranges_m[30] = 1.0F;
+    memory.add(scan, {}, {});
+  }
   return memory;
 }
 
@@ -70,6 +72,12 @@ TEST(ScanMemory, KeepsWhatIsBelowTheView) {
   ScanMemory memory = withPoint();
   memory.add(view(2.0), {}, {0.6, 0.0, 0.0});  // 0.4 m before it, the camera looks over it
   EXPECT_EQ(seenAt(memory, 2.0).size(), 1U);
+}
+
+TEST(ScanMemory, TakesBackWhatOnlyOneScanHasSeen) {
+  ScanMemory memory = withPoint(1);
+  memory.add(view(0.1), {}, {0.6, 0.0, 0.0});
+  EXPECT_TRUE(seenAt(memory, 0.1).empty());
 }
 
 TEST(ScanMemory, ForgetsWithTime) {
