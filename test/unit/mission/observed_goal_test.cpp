@@ -138,8 +138,10 @@ TEST_F(FollowTest, GivesUpAPersonWhoStaysAwayAndFollowsOneWhoComes) {
 
 TEST_F(FollowTest, MissesNobodyWhoCannotBeInView) {
   see({5.0, 0.0});
-  place(0.0, 0.0, 1.0);  // turned away
-  EXPECT_EQ(run(20.0, std::nullopt).status.mode, Mode::kCamera);
+  for (int i = 0; i < 20; ++i) {
+    place(0.08 * i, 0.0, 1.0);  // turned away; getting on, so as not to be stuck
+    ASSERT_EQ(run(1.0, std::nullopt).status.mode, Mode::kCamera) << i;
+  }
   place(3.0, 0.0, 0.0);  // so near that the head is above the image; it gets nearer, so as not to be stuck
   for (int i = 0; i < 20; ++i) {
     place(3.0 + 0.04 * i, 0.0, 0.0);
@@ -196,6 +198,20 @@ TEST_F(FollowTest, RecoversByTurningOnly) {
   EXPECT_TRUE(turned);
   EXPECT_EQ(output.status.phase, MissionPhase::kDriving);
   EXPECT_NEAR(driver_.odometry.odom_from_base.yaw_rad, 0.9, 0.2);
+}
+
+TEST_F(FollowTest, RecoversByLookingAtTheGoalFirst) {
+  see({5.0, 0.0});
+  run(0.1, Vec(5.0, 0.0));
+  driver_.path_found = false;
+  driver_.odometry.odom_from_base.yaw_rad = 2.0;
+  MissionOutput output = run(5.2, Vec(5.0, 0.0));
+  ASSERT_EQ(output.status.phase, MissionPhase::kRecovering);
+  for (int i = 0; i < 200 && output.status.phase == MissionPhase::kRecovering; ++i) {
+    see({5.0, 0.0});
+    output = driver_.stepObeying();
+  }
+  EXPECT_NEAR(driver_.odometry.odom_from_base.yaw_rad, 0.0, 0.2);
 }
 
 TEST_F(FollowTest, HaltsOnAHit) {
