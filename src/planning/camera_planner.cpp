@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kFarthest_m = 1e6;  // beyond this cell indices no longer fit
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+// A way no longer than this, in straight lines to the goal, is not compared with others.
+constexpr double kShortDetour = 1.25;
 // A path that ends nearer than this is not worth starting.
 constexpr double kShortest_m = 0.08;
 
@@ -176,41 +178,62 @@ ModifiedAStar::Cost CameraPlanner::costOf(const CameraObservation& observation) 
     };
   }
   const Eigen::Vector2d robot = observation.odometry.odom_from_base.position();
-  const double look_m = observation.gap.found ? 0.0 : params_.no_gap_look_m;
-  return [this, robot, look_m](const Eigen::Vector2d& p) {
-    const Cell cell = memory_.grid().cellOf(p);
-    const Cell in_window = cost_map_.toWindow(cell);
+  return [this, robot](const Eigen::Vector2d& p) {
+    if (isAtPerson(p) && !isAtPerson(robot)) return kInfinite;
+    const Cell in_window = cost_map_.toWindow(memory_.grid().cellOf(p));
     const WeightGrid& weights = cost_map_.weights();
     if (!weights.contains(in_window)) return params_.cost.unknown_weight;
     if (!weights.isPassable(in_window)) return kInfinite;
-    const double away_m = (p - robot).norm();
-    if (away_m < look_m && away_m > body_.circumradius_m &&
-        memory_.grid().state(cell) == RollingGrid::State::kUnknown)
-      return kInfinite;
     return static_cast<double>(weights.weights[weights.index(in_window)]) / WeightGrid::kFree;
   };
 }
 
-/// Around the far sides of what is seen, or past them where that way is too long. Leaves the cost map
-/// as the way was searched for.
+/// Whether the robot would touch the person who is the goal, whom the memory leaves out.
+bool CameraPlanner::isAtPerson(const Eigen::Vector2d& p_odom) const {
+  constexpr double kPerson_m = 0.25;  // a person's radius
+  return p_odom_person_ && (p_odom - *p_odom_person_).norm() < kPerson_m + body_.circumradius_m;
+}
+
+/// Weighs the places around the robot by what is trusted of the memory.
+void CameraPlanner::weigh(Trust trust, const Eigen::Vector2d& p_odom_robot, const Path2& before) {
+  const Cell robot = memory_.grid().cellOf(p_odom_robot);
+  if (trust == Trust::kCertain) {
+    cost_map_.updateCertain(memory_.grid(), robot, params_.doubtful_certainty, params_.doubtful_from_m);
+  } else {
+    cost_map_.update(memory_.grid(), robot, trust == Trust::kFarSides ? params_.assumed_depth_m : 0.0);
+  }
+  cost_map_.prefer(before, params_.same_way_m, params_.switch_gain);
+}
+
+/// Around the far sides of what is seen; where that way is long, past them or through what is doubtful, if
+/// that costs far less. Leaves the cost map as the way was searched for.
 ModifiedAStar::Result CameraPlanner::findWay(const ModifiedAStar::Query& query, const Path2& before,
                                              const ModifiedAStar::Cost& cost) {
-  constexpr auto kFound = ModifiedAStar::Result::Status::kFound;
-  const auto weigh = [&](double assumed_depth_m) {
-    cost_map_.update(memory_.grid(), memory_.grid().cellOf(query.robot), assumed_depth_m);
-    cost_map_.prefer(before, params_.same_way_m, params_.switch_gain);
-  };
-  weigh(params_.assumed_depth_m);
-  const ModifiedAStar::Result around = astar_.plan(query, cost);
+  using Result = ModifiedAStar::Result;
   const double straight_m = (query.goal - query.robot).norm();
-  const bool is_short = around.status == kFound && around.length_m <= params_.far_side_detour * straight_m;
-  if (is_short || params_.assumed_depth_m == 0.0) return around;
-  weigh(0.0);
-  const ModifiedAStar::Result past = astar_.plan(query, cost);
-  if (around.status != kFound || (past.status == kFound && around.cost > params_.far_side_detour * past.cost))
-    return past;
-  weigh(params_.assumed_depth_m);
-  return around;
+  const auto isFound = [](const Result& way) { return way.status == Result::Status::kFound; };
+  const auto isShort = [&](const Result& way) {
+    return isFound(way) && way.length_m <= kShortDetour * straight_m;
+  };
+  const auto isWorse = [&](const Result& way, const Result& other) {
+    return !isFound(way) || (isFound(other) && way.cost > params_.far_side_detour * other.cost);
+  };
+  Trust chosen = params_.assumed_depth_m > 0.0 ? Trust::kFarSides : Trust::kSeen;
+  weigh(chosen, query.robot, before);
+  Result way = astar_.plan(query, cost);
+  Trust weighed = chosen;
+  for (const Trust trust : {Trust::kSeen, Trust::kCertain}) {
+    const bool is_off = trust == Trust::kCertain && params_.doubtful_certainty == 0;
+    if (isShort(way) || trust == chosen || is_off) continue;
+    weigh(trust, query.robot, before);
+    weighed = trust;
+    const Result other = astar_.plan(query, cost);
+    if (!isWorse(way, other)) continue;
+    way = other;
+    chosen = trust;
+  }
+  if (weighed != chosen) weigh(chosen, query.robot, before);
+  return way;
 }
 
 void CameraPlanner::search(const CameraObservation& observation, CameraPlan& plan) {

@@ -51,12 +51,41 @@ void CostMap::makeTable() {
   }
 }
 
-void CostMap::update(const RollingGrid& grid, Cell start, double assumed_depth_m) {
+void CostMap::read(const RollingGrid& grid) {
   origin_ = grid.origin();
   const int size = weights_.size;
   for (int y = 0; y < size; ++y) {
     grid.copyRow(origin_.y + y, states_.data() + static_cast<std::ptrdiff_t>(y) * size);
   }
+}
+
+void CostMap::updateCertain(const RollingGrid& grid, Cell start, int most_doubtful, double from_m) {
+  read(grid);
+  const auto isCertain = [&](Cell cell) {
+    for (int y = cell.y - 1; y <= cell.y + 1; ++y) {
+      for (int x = cell.x - 1; x <= cell.x + 1; ++x) {
+        if (grid.certainty({x, y}) > most_doubtful) return true;
+      }
+    }
+    return false;
+  };
+  const double nearest = from_m / cell_m_;
+  for (int y = 0; y < weights_.size; ++y) {
+    for (int x = 0; x < weights_.size; ++x) {
+      const Cell cell{origin_.x + x, origin_.y + y};
+      RollingGrid::State& state = states_[weights_.index({x, y})];
+      if (state == RollingGrid::State::kOccupied &&
+          std::hypot(cell.x - start.x, cell.y - start.y) > nearest && !isCertain(cell))
+        state = RollingGrid::State::kUnknown;
+    }
+  }
+  measureClearance();
+  weigh();
+  relaxAround(toWindow(start));
+}
+
+void CostMap::update(const RollingGrid& grid, Cell start, double assumed_depth_m) {
+  read(grid);
   measureClearance();
   if (assumed_depth_m > 0.0) fillShadows(assumed_depth_m);
   weigh();

@@ -16,6 +16,7 @@ constexpr Duration kLongAgo = std::chrono::hours(1);
 
 ObstacleTrackerParams MovingObstaclesParams::scannerTracker() {
   ObstacleTrackerParams tracker;
+  tracker.near_m = tracker.near_sigma_share = 0.0;
   tracker.max_range_m = 4.5;
   tracker.smallest_m = 0.05;
   tracker.largest_m = 1.1;

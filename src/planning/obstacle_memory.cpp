@@ -65,7 +65,10 @@ void ObstacleMemory::insert(const LaserScan& scan, const NearestObstacle& obstac
   const std::vector<double> clear_m = clearLengths(scan, longest_m);
   for (std::size_t i = 0; i < clear_m.size(); ++i) {
     const double near_m = std::min(clear_m[i], params_.clear_from_m);
-    if (near_m > 0.0) grid_.clearUnknown(robot, endOf(i, near_m));
+    const double below_m = std::min(near_m, params_.clear_doubtful_from_m);
+    if (near_m > 0.0) grid_.clearDoubtful(robot, endOf(i, below_m), 0);
+    if (near_m > below_m)
+      grid_.clearDoubtful(endOf(i, below_m), endOf(i, near_m), params_.standing_certainty);
     if (clear_m[i] > near_m) grid_.clear(endOf(i, near_m), endOf(i, clear_m[i]), true);
   }
 }
@@ -122,10 +125,11 @@ void ObstacleMemory::follow(const LaserScan& scan, const NearestObstacle& obstac
 }
 
 /// Whether a hit so near that no foot is in view is of a thing whose place is known better, from when its
-/// foot was: an obstacle on the same ray, about as far.
+/// foot was: an obstacle on the same ray, about as far. A hit right on it makes it more certain.
 bool ObstacleMemory::isKnown(const Eigen::Vector2d& robot, const Eigen::Vector2d& p_odom) const {
   const double range_m = (p_odom - robot).norm();
   if (range_m > params_.clear_from_m) return false;
+  if (grid_.state(grid_.cellOf(p_odom)) == RollingGrid::State::kOccupied) return false;
   const Eigen::Vector2d along = (p_odom - robot).normalized();
   const double to_m = range_m + std::min(params_.near_beyond_m, kMostGuess * range_m);
   for (double r = (1.0 - params_.near_share) * range_m; r <= to_m; r += 0.5 * grid_.cell_m()) {

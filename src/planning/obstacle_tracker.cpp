@@ -86,8 +86,9 @@ void ObstacleTracker::update(const LaserScan& scan, const Pose2& odom_from_base,
     const double yaw = odom_from_base.yaw_rad + object.bearing_rad;
     const Eigen::Vector2d along(std::cos(yaw), std::sin(yaw));
     const Eigen::Vector2d aside(-along.y(), along.x());
-    const double radial_m = params_.sigma_m + params_.range_sigma_share * object.range_m;
-    const double lateral_m = params_.sigma_m + params_.bearing_sigma_rad * object.range_m;
+    const double guess_m = object.range_m < params_.near_m ? params_.near_sigma_share * object.range_m : 0.0;
+    const double radial_m = params_.sigma_m + params_.range_sigma_share * object.range_m + guess_m;
+    const double lateral_m = params_.sigma_m + params_.bearing_sigma_rad * object.range_m + guess_m;
     const Eigen::Matrix2d noise =
         radial_m * radial_m * along * along.transpose() + lateral_m * lateral_m * aside * aside.transpose();
     std::size_t best = tracks_.size();

@@ -138,10 +138,12 @@ void RollingGrid::clear(const Eigen::Vector2d& from_odom, const Eigen::Vector2d&
   });
 }
 
-void RollingGrid::clearUnknown(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom) {
-  visitRay(from_odom, to_odom, false, [this](Entry& passed) {
-    if (stateOf(passed) == State::kOccupied) return;
-    passed.certainty = 0;
+void RollingGrid::clearDoubtful(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom,
+                                int most_certain) {
+  visitRay(from_odom, to_odom, false, [&](Entry& passed) {
+    const int before = isForgotten(passed) ? 0 : static_cast<int>(passed.certainty);
+    if (before > most_certain) return;
+    passed.certainty = static_cast<std::int8_t>(std::max(before - params_.miss_loss, 0));
     touch(passed);
   });
 }

@@ -51,9 +51,10 @@ struct CameraPlannerParams {
   RightOfWayParams right_of_way;
   double halt_width_factor = 2.0;
   double width_slack_m = 0.05;
-  double no_gap_look_m = 1.5;
   double assumed_depth_m = 0.40;
   double far_side_detour = 2.0;
+  int doubtful_certainty = 12;
+  double doubtful_from_m = 0.8;
   double goal_tolerance_m = 0.25;
   double switch_gain = 0.15;
   double same_way_m = 0.35;
@@ -75,9 +76,6 @@ struct CameraPlannerParams {
                 1.0, 5.0});
     visit("width_slack_m", width_slack_m,
           Field{"m", "by which the memory may show a gap narrower than it is: a cell", 0.0, 0.5});
-    visit("no_gap_look_m", no_gap_look_m,
-          Field{"m", "where the image shows no gap, nothing nearer than this may be driven to unseen", 0.0,
-                10.0});
     visit("assumed_depth_m", assumed_depth_m,
           Field{"m",
                 "cells never seen this near to an obstacle are taken for its far side, unless there is no "
@@ -88,6 +86,13 @@ struct CameraPlannerParams {
                 "a way around such cells that costs this many times the way past them is too long: it mostly "
                 "leads where nothing was seen yet",
                 1.0, 100.0});
+    visit("doubtful_certainty", doubtful_certainty,
+          Field{"",
+                "obstacles in the memory no more certain than this are looked at from near by where there is "
+                "no other way, or none but a long one; 0: never",
+                0, 120});
+    visit("doubtful_from_m", doubtful_from_m,
+          Field{"m", "nearer than this they count like all others", 0.0, 10.0});
     visit("goal_tolerance_m", goal_tolerance_m,
           Field{"m",
                 "a goal beside an obstacle is replaced by the nearest reachable place within this; below the "
@@ -172,15 +177,24 @@ class CameraPlanner {
     bool through_gap = false;
   };
 
+  /// What of the memory a way is searched with.
+  enum class Trust {
+    kFarSides,  ///< all that is seen, and unseen far sides behind it
+    kSeen,      ///< all that is seen
+    kCertain,   ///< only what is certain or near
+  };
+
   bool isLiteral() const { return params_.astar.mode == "literal"; }
   std::string findFault(const CameraObservation& observation) const;
   bool isNarrow(const GapSighting& gap) const;
+  bool isAtPerson(const Eigen::Vector2d& p_odom) const;
   std::string haltReason(const GapSighting& gap) const;
   std::optional<Eigen::Vector2d> gapNode(const GapSighting& gap) const;
   std::optional<Eigen::Vector2d> nearObstacle(const CameraObservation& observation) const;
   std::string replanReason(const CameraObservation& observation) const;
   bool isClosed(const Path2& path) const;
   ModifiedAStar::Cost costOf(const CameraObservation& observation) const;
+  void weigh(Trust trust, const Eigen::Vector2d& p_odom_robot, const Path2& before);
   ModifiedAStar::Result findWay(const ModifiedAStar::Query& query, const Path2& before,
                                 const ModifiedAStar::Cost& cost);
   void search(const CameraObservation& observation, CameraPlan& plan);

@@ -56,6 +56,9 @@ class CostMap {
   /// no nearer to one become passable at the highest weight, so that the robot can leave.
   /// Cells never seen count as part of an obstacle that is nearer than `assumed_depth_m`: it has a far side.
   void update(const RollingGrid& grid, Cell start, double assumed_depth_m = 0.0);
+  /// The same, but obstacles no more certain than this, nor beside one that is, and farther than a distance
+  /// from the start count as never seen.
+  void updateCertain(const RollingGrid& grid, Cell start, int most_doubtful, double from_m);
 
   /// Makes everything but the surroundings of a path dearer by `surcharge` (0.1: a tenth), so that another
   /// way must be that much shorter to be taken.
@@ -76,6 +79,7 @@ class CostMap {
   double clearance_m(Cell window_cell) const;
 
  private:
+  void read(const RollingGrid& grid);
   void measureClearance();
   void fillShadows(double assumed_depth_m);
   void makeTable();

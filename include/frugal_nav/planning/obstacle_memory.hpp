@@ -21,6 +21,7 @@ struct ObstacleMemoryParams {
   double sigma_share = 0.03;
   double largest_sigma_m = 0.25;
   double clear_from_m = 1.2;
+  double clear_doubtful_from_m = 0.75;
   double near_share = 0.35;
   double near_beyond_m = 0.6;
   double person_radius_m = 0.40;
@@ -47,6 +48,11 @@ struct ObstacleMemoryParams {
                 "nearer than this no ray takes an obstacle away: the floor is below the image there, and "
                 "what has "
                 "left the view below is remembered",
+                0.0, 5.0});
+    visit("clear_doubtful_from_m", clear_doubtful_from_m,
+          Field{"m",
+                "but from here on it takes away what is no more certain than standing_certainty: only low "
+                "things are below the image there",
                 0.0, 5.0});
     visit("near_share", near_share,
           Field{"",

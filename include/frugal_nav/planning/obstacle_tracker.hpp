@@ -22,6 +22,8 @@ struct ObstacleTrackerParams {
   double sigma_m = 0.06;
   double range_sigma_share = 0.06;
   double bearing_sigma_rad = 0.03;
+  double near_m = 1.2;
+  double near_sigma_share = 0.15;
   double start_speed_mps = 0.6;
   double acceleration_mps2 = 0.25;
   double fastest_mps = 1.3;
@@ -46,6 +48,11 @@ struct ObstacleTrackerParams {
     visit("range_sigma_share", range_sigma_share,
           Field{"", "noise of its distance, as a share: error of the depth scale", 0.0, 1.0});
     visit("bearing_sigma_rad", bearing_sigma_rad, Field{"rad", "noise of its bearing: one column", 0.0, 1.0});
+    visit("near_m", near_m,
+          Field{"m", "nearer than this a place is a guess, since a camera sees no foot there; 0: never", 0.0,
+                5.0});
+    visit("near_sigma_share", near_sigma_share,
+          Field{"", "noise of a guessed place, as a share of its distance", 0.0, 1.0});
     visit("start_speed_mps", start_speed_mps,
           Field{"m/s", "standard deviation of a new object's speed: a walking person", 0.05, 5.0});
     visit("acceleration_mps2", acceleration_mps2,

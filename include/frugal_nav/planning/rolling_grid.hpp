@@ -89,8 +89,8 @@ class RollingGrid {
   void mark(const Eigen::Vector2d& p_odom);
   /// Free space along a ray, with or without the cell it ends in.
   void clear(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom, bool include_end);
-  /// The same without the cell it ends in, but obstacles on it stay.
-  void clearUnknown(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom);
+  /// The same without the cell it ends in; obstacles more certain than this stay.
+  void clearDoubtful(const Eigen::Vector2d& from_odom, const Eigen::Vector2d& to_odom, int most_certain);
   /// Obstacles within a radius that are no more certain than this are gone, as if seen free now.
   void erase(const Eigen::Vector2d& p_odom, double radius_m, int most_certain);
 

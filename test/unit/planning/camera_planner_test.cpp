@@ -53,8 +53,8 @@ class CameraPlannerTest : public ::testing::Test {
   }
   /// Sees a wall 1.5 m before the origin as a whole, from close by, and then straight ahead.
   CameraPlan lookAround(CameraPlanner& planner) {
-    for (const double yaw : {-1.2, -0.6, 0.6, 1.2}) look(planner, 2, {0.7, 0.0, yaw});
-    return look(planner, 5, {0.7, 0.0, 0.0});
+    for (const double yaw : {-1.2, -0.6, 0.6, 1.2}) look(planner, 8, {0.7, 0.0, yaw});
+    return look(planner, 8, {0.7, 0.0, 0.0});
   }
   static double clearance(const FlatWorld& world, const Path2& path) {
     double least = 1e9;
@@ -132,6 +132,15 @@ TEST_F(CameraPlannerTest, ThePersonIsNoObstacle) {
   EXPECT_FALSE(look(stranger, 3).reaches_goal);
 }
 
+TEST_F(CameraPlannerTest, DrivesAroundThePersonToItsOtherSide) {
+  CameraPlanner planner(CameraPlannerParams{}, kBody);
+  const Vec person(2.0, 0.05);
+  planner.setGoal(Pose2{2.8, 0.0, 0.0}, person);
+  const CameraPlan plan = look(planner);
+  ASSERT_TRUE(plan.reaches_goal);
+  for (const Pose2& pose : plan.path) EXPECT_GT((pose.position() - person).norm(), 0.4);
+}
+
 TEST_F(CameraPlannerTest, DrivesThroughNoGapOfLessThanTwoRobotWidths) {
   // The only way is a gate; 0.40 m are 1.6 robot widths, 0.65 m are 2.6.
   for (const double gate : {0.40, 0.65}) {
@@ -159,31 +168,48 @@ TEST_F(CameraPlannerTest, DrivesThroughNoGapOfLessThanTwoRobotWidths) {
 }
 
 TEST_F(CameraPlannerTest, GoesRoundANarrowGapWhereAnotherWayIsKnown) {
-  world_.box(1.5, -0.9, 1.8, -0.2).box(1.5, 0.2, 1.8, 0.9);  // 0.40 m between them, open beside
-  change_ = [](CameraObservation& seen) { seen.gap.width_m = 0.40; };
+  world_.box(1.5, -0.9, 1.8, -0.17).box(1.5, 0.17, 1.8, 0.9);  // 0.34 m between them, open beside
+  change_ = [](CameraObservation& seen) { seen.gap.width_m = 0.34; };
   CameraPlanner planner(CameraPlannerParams{}, kBody);
   planner.setGoal(Pose2{4.0, 0.0, 0.0});
-  const CameraPlan plan = look(planner, 5);
+  const CameraPlan plan = look(planner, 10);  // often enough that there is no doubt
   ASSERT_EQ(plan.status, Status::kFound);
   double aside = 0.0;
   for (const Pose2& pose : plan.path) aside = std::max(aside, std::abs(pose.y_m));
   EXPECT_GT(aside, 0.9);
 }
 
-TEST_F(CameraPlannerTest, WithoutAGapDrivesOnlyWhereItHasSeen) {
+// Facing a wall says nothing of the way beside it: a robot that took it for closed turned to and fro.
+TEST_F(CameraPlannerTest, AViewWithoutAGapClosesNoWay) {
+  world_.box(1.2, -2.5, 1.4, 2.5);
+  CameraPlanner planner(CameraPlannerParams{}, kBody);
+  planner.setGoal(Pose2{-1.5, 0.0, 0.0});
+  const double with_gap_m = lengthOf(look(planner).path);
   change_ = [](CameraObservation& seen) {
     seen.gap.found = false;
     seen.gap.reason = "everything in view is near";
   };
+  const CameraPlan plan = look(planner, 10);
+  EXPECT_EQ(plan.status, Status::kFound);
+  EXPECT_NEAR(lengthOf(plan.path), with_gap_m, 0.1);
+}
+
+TEST_F(CameraPlannerTest, LooksFromNearByAtWhatIsDoubtful) {
+  // A wall with a passage, which one look from afar takes for closed.
+  world_.box(2.5, -2.5, 2.7, -0.4).box(2.5, 0.4, 2.7, 2.5);
   CameraPlanner planner(CameraPlannerParams{}, kBody);
   planner.setGoal(Pose2{4.0, 0.0, 0.0});
-  EXPECT_EQ(look(planner).status, Status::kFound);  // straight ahead, which is seen to be free
-  world_.box(1.2, -2.5, 1.4, 2.5);
-  CameraPlanner enclosed(CameraPlannerParams{}, kBody);
-  enclosed.setGoal(Pose2{-1.5, 0.0, 0.0});
-  const CameraPlan behind = look(enclosed);
-  EXPECT_EQ(behind.status, Status::kHalted);
-  EXPECT_THAT(behind.reason, HasSubstr("no gap: everything in view is near"));
+  for (const double yaw : {-0.8, 0.8}) look(planner, 20, {0.0, 0.0, yaw});
+  look(planner, 20);
+  change_ = [](CameraObservation& seen) {
+    for (float& range : seen.scan.ranges_m) range = std::min(range, 2.5F);
+  };
+  const CameraPlan plan = look(planner, 2);
+  ASSERT_EQ(plan.status, Status::kFound) << plan.reason;
+  EXPECT_LT(lengthOf(plan.path), 4.5);
+  // The same so often that there is no doubt: another way, or none.
+  const CameraPlan sure = look(planner, 20);
+  EXPECT_TRUE(sure.path.empty() || lengthOf(sure.path) > 5.0) << lengthOf(sure.path);
 }
 
 TEST_F(CameraPlannerTest, LetsAWalkerPassAndGoesOnBehindHim) {

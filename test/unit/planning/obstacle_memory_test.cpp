@@ -47,7 +47,7 @@ State stateAt(const ObstacleMemory& memory, double x, double y) {
 
 TEST(ObstacleMemory, WhatIsTooNearToBeSeenIsNotTakenAwayByRays) {
   ObstacleMemory memory(ObstacleMemoryParams{});
-  for (int i = 0; i < 3; ++i)
+  for (int i = 0; i < 8; ++i)  // often enough to be certain
     memory.insert(withObject(evenScan(1.0 + 0.1 * i, kNothing), {2.02, 0.0}, 0.2), nothingNear(), {},
                   std::nullopt);
   ASSERT_EQ(stateAt(memory, 2.01, 0.01), State::kOccupied);
@@ -85,13 +85,24 @@ TEST(ObstacleMemory, ClearsWhatIsSeenFree) {
   EXPECT_EQ(stateAt(memory, 2.01, 0.01), State::kFree);
 }
 
-TEST(ObstacleMemory, TakesNothingAwayWhereTheFloorIsBelowTheView) {
+TEST(ObstacleMemory, WhereTheFloorIsBelowTheViewRaysTakeAwayTheDoubtfulOnly) {
   ObstacleMemory memory(ObstacleMemoryParams{});
-  memory.insert(withObject(evenScan(1.0, kNothing), {1.02, 0.0}, 0.1), nothingNear(), {}, std::nullopt);
-  for (int i = 1; i <= 20; ++i)
-    memory.insert(evenScan(1.0 + 0.2 * i, kNothing), nothingNear(), {}, std::nullopt);
-  EXPECT_EQ(stateAt(memory, 1.03, 0.01), State::kOccupied);  // it is low and has left the image below
-  EXPECT_EQ(stateAt(memory, 0.6, 0.01), State::kFree);       // but what was never seen counts as free
+  auto see = [&memory, time_s = 1.0](int times, const LaserScan& scan) mutable {
+    for (int i = 0; i < times; ++i) {
+      LaserScan now = scan;
+      now.stamp = stampFromSeconds(time_s += 0.2);
+      memory.insert(now, nothingNear(), {}, std::nullopt);
+    }
+  };
+  see(8, withObject(evenScan(0.0, kNothing), {1.02, 0.0}, 0.1));
+  see(2, withObject(evenScan(0.0, kNothing), {0.92, 0.42}, 0.05));
+  see(1, withObject(evenScan(0.0, kNothing), {0.62, -0.32}, 0.05));
+  ASSERT_EQ(stateAt(memory, 0.92, 0.42), State::kOccupied);
+  see(20, evenScan(0.0, kNothing));
+  EXPECT_EQ(stateAt(memory, 1.03, 0.01), State::kOccupied);   // it is low and has left the image below
+  EXPECT_EQ(stateAt(memory, 0.92, 0.42), State::kFree);       // this was seen twice only
+  EXPECT_EQ(stateAt(memory, 0.62, -0.32), State::kOccupied);  // nearer, much is below the image
+  EXPECT_EQ(stateAt(memory, 0.5, 0.01), State::kFree);        // and what was never seen counts as free
 }
 
 TEST(ObstacleMemory, AGuessFromNearbyDoesNotMoveWhatWasSeenWell) {
