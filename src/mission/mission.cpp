@@ -296,9 +296,9 @@ void Mission::startRecovery(const Odometry& odometry, const std::string& cause) 
     // What lies behind is out of view: look where the way should be, then to either side of the goal in turn,
     // ever farther.
     const double to_goal_rad = bearingTo(odometry.odom_from_base, odom_from_goal_.position());
-    const bool sees_goal = recoveries_ > 1 || std::abs(to_goal_rad) < 0.5 * params_.observed.view_rad;
+    const bool has_looked = recoveries_ > 1 || std::abs(to_goal_rad) < 0.5 * params_.observed.view_rad;
     const double aside_rad = (recoveries_ % 2 == 1 ? 1.0 : -1.0) * (0.6 + 0.3 * recoveries_);
-    recovery_.start(odometry, sees_goal ? to_goal_rad + aside_rad : to_goal_rad, false);
+    recovery_.start(odometry, has_looked ? to_goal_rad + aside_rad : to_goal_rad, false);
   } else {
     recovery_.start(odometry, local_ ? local_->clear_bearing_rad : 0.0);
   }

@@ -69,7 +69,7 @@ GoalTracker::State GoalTracker::update(Stamp stamp, const Pose2& odom_from_base,
   predict(goal_, stamp);
   predict(candidate_, stamp);
   if (goal_) updateGoal(stamp, seen, could_see);
-  updateCandidate(stamp, seen, could_see);
+  updateCandidate(stamp, seen);
   return state_;
 }
 
@@ -154,7 +154,7 @@ void GoalTracker::updateGoal(Stamp stamp, std::vector<Seen>& seen, bool could_se
   }
 }
 
-void GoalTracker::updateCandidate(Stamp stamp, std::vector<Seen>& seen, bool could_see) {
+void GoalTracker::updateCandidate(Stamp stamp, std::vector<Seen>& seen) {
   if (candidate_ && toSeconds(stamp - candidate_->goal.last_seen) > params_.confirm_within_s)
     candidate_.reset();
   Seen* own = candidate_ ? nearest(*candidate_, seen, params_.start_score, stamp) : nullptr;
@@ -168,7 +168,7 @@ void GoalTracker::updateCandidate(Stamp stamp, std::vector<Seen>& seen, bool cou
     own = &*best;
     candidate_ = trackOf(*own, stamp);
   }
-  if (own == nullptr || !replacesGoal(*candidate_, stamp, could_see)) return;
+  if (own == nullptr || !replacesGoal(*candidate_, stamp)) return;
   goal_ = candidate_;
   candidate_.reset();
   last_excused_ = stamp;
@@ -176,14 +176,14 @@ void GoalTracker::updateCandidate(Stamp stamp, std::vector<Seen>& seen, bool cou
   seen_by_ = own->index;
 }
 
-/// Whether a candidate has stood long enough to be the goal, and the goal there may be is missing where it
-/// was: out of view it may still be there, and what seems to stand beside it be its shadow.
-bool GoalTracker::replacesGoal(const Track& candidate, Stamp stamp, bool could_see) const {
+/// Whether a candidate has stood long enough to be the goal, and the goal there may be has been missing where
+/// it was for as long: out of view it may still be there, and what seems to stand beside it be its shadow.
+bool GoalTracker::replacesGoal(const Track& candidate, Stamp stamp) const {
   if (candidate.goal.sightings < params_.confirm_sightings ||
       toSeconds(stamp - candidate.since) < params_.stand_s)
     return false;
   if (!goal_) return true;
-  return could_see && goal_->goal.last_seen < candidate.since &&
+  return toSeconds(stamp - last_excused_) >= params_.stand_s && goal_->goal.last_seen < candidate.since &&
          (goal_->state - candidate.state).head<2>().norm() <= params_.shift_m;
 }
 

@@ -179,7 +179,7 @@ ModifiedAStar::Cost CameraPlanner::costOf(const CameraObservation& observation) 
   }
   const Eigen::Vector2d robot = observation.odometry.odom_from_base.position();
   return [this, robot](const Eigen::Vector2d& p) {
-    if (isAtPerson(p) && !isAtPerson(robot)) return kInfinite;
+    if (isTowardPerson(robot, p)) return kInfinite;
     const Cell in_window = cost_map_.toWindow(memory_.grid().cellOf(p));
     const WeightGrid& weights = cost_map_.weights();
     if (!weights.contains(in_window)) return params_.cost.unknown_weight;
@@ -188,10 +188,13 @@ ModifiedAStar::Cost CameraPlanner::costOf(const CameraObservation& observation) 
   };
 }
 
-/// Whether the robot would touch the person who is the goal, whom the memory leaves out.
-bool CameraPlanner::isAtPerson(const Eigen::Vector2d& p_odom) const {
+/// Whether a place is so near the person who is the goal, whom the memory leaves out, that the robot would
+/// touch it; where the robot is that near itself, whether it is nearer still.
+bool CameraPlanner::isTowardPerson(const Eigen::Vector2d& p_odom_robot, const Eigen::Vector2d& p_odom) const {
   constexpr double kPerson_m = 0.25;  // a person's radius
-  return p_odom_person_ && (p_odom - *p_odom_person_).norm() < kPerson_m + body_.circumradius_m;
+  if (!p_odom_person_) return false;
+  const double keep_m = kPerson_m + body_.circumradius_m;
+  return (p_odom - *p_odom_person_).norm() < std::min(keep_m, (p_odom_robot - *p_odom_person_).norm());
 }
 
 /// Weighs the places around the robot by what is trusted of the memory.

@@ -55,8 +55,9 @@ void ObstacleMemory::insert(const LaserScan& scan, const NearestObstacle& obstac
     if (kind != Return::kHit && kind != Return::kTooClose) continue;
     const double range_m = kind == Return::kHit ? scan.ranges_m[i] : scan.range_min_m;
     const Eigen::Vector2d p = endOf(i, range_m);
-    if (range_m <= longest_m && !isPerson(p, robot, p_odom_person) && !isMoving(p) && !isKnown(robot, p))
-      hits.push_back(p);
+    if (range_m > longest_m || isPerson(p, robot, p_odom_person) || isMoving(p)) continue;
+    const bool is_on_obstacle = grid_.state(grid_.cellOf(p)) == RollingGrid::State::kOccupied;
+    if (is_on_obstacle || !isKnown(robot, p)) hits.push_back(p);
   }
   const bool has_nearest = obstacle.found && !isPerson(obstacle.p_odom, robot, p_odom_person) &&
                            !isMoving(obstacle.p_odom) && !isKnown(robot, obstacle.p_odom);
@@ -125,11 +126,10 @@ void ObstacleMemory::follow(const LaserScan& scan, const NearestObstacle& obstac
 }
 
 /// Whether a hit so near that no foot is in view is of a thing whose place is known better, from when its
-/// foot was: an obstacle on the same ray, about as far. A hit right on it makes it more certain.
+/// foot was: an obstacle on the same ray, about as far.
 bool ObstacleMemory::isKnown(const Eigen::Vector2d& robot, const Eigen::Vector2d& p_odom) const {
   const double range_m = (p_odom - robot).norm();
   if (range_m > params_.clear_from_m) return false;
-  if (grid_.state(grid_.cellOf(p_odom)) == RollingGrid::State::kOccupied) return false;
   const Eigen::Vector2d along = (p_odom - robot).normalized();
   const double to_m = range_m + std::min(params_.near_beyond_m, kMostGuess * range_m);
   for (double r = (1.0 - params_.near_share) * range_m; r <= to_m; r += 0.5 * grid_.cell_m()) {

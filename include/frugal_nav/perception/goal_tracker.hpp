@@ -133,8 +133,8 @@ class GoalTracker {
   Seen* nearest(const Track& track, std::vector<Seen>& seen, double min_score, Stamp stamp) const;
   void absorb(Track& track, const Seen& seen, Stamp stamp) const;
   void updateGoal(Stamp stamp, std::vector<Seen>& seen, bool could_see);
-  void updateCandidate(Stamp stamp, std::vector<Seen>& seen, bool could_see);
-  bool replacesGoal(const Track& candidate, Stamp stamp, bool could_see) const;
+  void updateCandidate(Stamp stamp, std::vector<Seen>& seen);
+  bool replacesGoal(const Track& candidate, Stamp stamp) const;
 
   GoalTrackerParams params_;
   State state_ = State::kNone;

@@ -81,11 +81,12 @@ struct CameraPlannerParams {
                 "cells never seen this near to an obstacle are taken for its far side, unless there is no "
                 "other way, or none but a long one; 0: never",
                 0.0, 2.0});
-    visit("far_side_detour", far_side_detour,
-          Field{"",
-                "a way around such cells that costs this many times the way past them is too long: it mostly "
-                "leads where nothing was seen yet",
-                1.0, 100.0});
+    visit(
+        "far_side_detour", far_side_detour,
+        Field{"",
+              "a way around such cells, or around what is doubtful, that costs this many times the way past "
+              "them is too long: it mostly leads where nothing was seen yet",
+              1.0, 100.0});
     visit("doubtful_certainty", doubtful_certainty,
           Field{"",
                 "obstacles in the memory no more certain than this are looked at from near by where there is "
@@ -103,6 +104,12 @@ struct CameraPlannerParams {
     visit("same_way_m", same_way_m,
           Field{"m", "a path this near to the previous one is the same way, free to improve", 0.05, 5.0});
     visit("path_spacing_m", path_spacing_m, Field{"m", "distance between the points of the path", 0.02, 1.0});
+  }
+  /// Names fields that contradict each other; empty when sound.
+  std::string check() const {
+    if (doubtful_certainty >= memory.grid.max_certainty)
+      return "doubtful_certainty must be below memory/grid/max_certainty, or all is doubtful";
+    return "";
   }
 };
 
@@ -187,7 +194,7 @@ class CameraPlanner {
   bool isLiteral() const { return params_.astar.mode == "literal"; }
   std::string findFault(const CameraObservation& observation) const;
   bool isNarrow(const GapSighting& gap) const;
-  bool isAtPerson(const Eigen::Vector2d& p_odom) const;
+  bool isTowardPerson(const Eigen::Vector2d& p_odom_robot, const Eigen::Vector2d& p_odom) const;
   std::string haltReason(const GapSighting& gap) const;
   std::optional<Eigen::Vector2d> gapNode(const GapSighting& gap) const;
   std::optional<Eigen::Vector2d> nearObstacle(const CameraObservation& observation) const;

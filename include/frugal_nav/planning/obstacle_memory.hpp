@@ -56,8 +56,8 @@ struct ObstacleMemoryParams {
                 0.0, 5.0});
     visit("near_share", near_share,
           Field{"",
-                "a hit within clear_from_m, where no foot is in view, is a guess: it marks nothing where the "
-                "same ray holds a remembered obstacle, nearer by at most this share",
+                "a hit within clear_from_m, where no foot is in view, is a guess: unless right on a "
+                "remembered obstacle it marks nothing where its ray holds one, nearer by at most this share",
                 0.0, 1.0});
     visit("near_beyond_m", near_beyond_m, Field{"m", "or farther by at most this", 0.0, 3.0});
     visit("person_radius_m", person_radius_m,

@@ -61,11 +61,13 @@ struct CameraPlannerNodeParams {
                         "ROS time the first of an image's gap, obstacle/nearest and depth/scan waits for the "
                         "others",
                         0.01, 10.0}));
-    visit("person_near_goal_m", person_near_goal_m,
-          Field{"m",
-                "a person on goal/observed this near to mission/goal is the goal and no obstacle; above the "
-                "mission's stand-off of 0.8 m",
-                0.0, 10.0});
+    visit(
+        "person_near_goal_m", person_near_goal_m,
+        Field{
+            "m",
+            "a person on goal/observed this near to mission/goal is the goal: kept off by a person's radius, "
+            "but no obstacle; above the mission's stand-off of 0.8 m",
+            0.0, 10.0});
     visit("person_memory_s", person_memory_s,
           Field{"s", "for how long after the last word of goal/observed", 0.0, 36000.0});
     visit("grid_period_s", grid_period_s,

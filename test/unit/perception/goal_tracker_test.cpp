@@ -229,6 +229,7 @@ TEST_F(GoalTracking, GoesWhereItStandsNowWhenItsPlaceIsEmpty) {
 TEST_F(GoalTracking, DoesNotGoElsewhereWhileItsPlaceIsOutOfView) {
   findGoalAt(3, 0);
   for (int i = 0; i < 20; ++i) EXPECT_EQ(frame({sightingAt(3, 0.8, 0.9, 0.03)}, false), State::kUnseen);
+  EXPECT_EQ(frame({sightingAt(3, 0.8, 0.9, 0.03)}), State::kUnseen);  // in view again, and missed once
   EXPECT_NEAR(tracker_.goal()->p_odom.y(), 0.0, 0.02);
 }
 

@@ -210,6 +210,30 @@ TEST_F(CameraPlannerTest, LooksFromNearByAtWhatIsDoubtful) {
   // The same so often that there is no doubt: another way, or none.
   const CameraPlan sure = look(planner, 20);
   EXPECT_TRUE(sure.path.empty() || lengthOf(sure.path) > 5.0) << lengthOf(sure.path);
+  // From near by one look is enough.
+  change_ = nullptr;
+  CameraPlanner near(CameraPlannerParams{}, kBody);
+  near.setGoal(Pose2{4.0, 0.0, 0.0});
+  for (const double yaw : {-0.8, 0.8, 0.0}) look(near, 20, {1.9, 0.0, yaw});
+  change_ = [](CameraObservation& seen) {
+    for (float& range : seen.scan.ranges_m) range = std::min(range, 0.6F);
+  };
+  const CameraPlan closed = look(near, 2, {1.9, 0.0, 0.0});
+  EXPECT_TRUE(closed.path.empty() || lengthOf(closed.path) > 3.0) << lengthOf(closed.path);
+}
+
+TEST_F(CameraPlannerTest, SaysThatThereIsNoGapWhereNoOtherWayIsKnown) {
+  world_ = FlatWorld().box(-0.9, -0.9, 0.9, 0.9);
+  change_ = [](CameraObservation& seen) {
+    seen.gap.found = false;
+    seen.gap.reason = "everything in view is near";
+  };
+  CameraPlanner planner(CameraPlannerParams{}, kBody);
+  planner.setGoal(Pose2{3.0, 0.0, 0.0});
+  for (double yaw = -3.0; yaw < 3.2; yaw += 0.5) look(planner, 8, {0.0, 0.0, yaw});
+  const CameraPlan plan = look(planner);
+  EXPECT_EQ(plan.status, Status::kHalted);
+  EXPECT_THAT(plan.reason, HasSubstr("no gap: everything in view is near, and no other way is known"));
 }
 
 TEST_F(CameraPlannerTest, LetsAWalkerPassAndGoesOnBehindHim) {
@@ -363,6 +387,9 @@ TEST(CameraPlannerParams, AreChecked) {
   EXPECT_THROW(CameraPlanner(params, kBody), ConfigError);
   params = {};
   params.astar.mode = "other";
+  EXPECT_THROW(CameraPlanner(params, kBody), ConfigError);
+  params = {};
+  params.doubtful_certainty = params.memory.grid.max_certainty;
   EXPECT_THROW(CameraPlanner(params, kBody), ConfigError);
 }
 
