@@ -50,9 +50,11 @@ bool ScanMemory::knows(const LaserScan& scan, std::size_t beam, const Pose2& odo
   });
 }
 
-/// Whether an earlier scan saw something about there: so near that it is the same thing.
+/// Whether an earlier scan saw something about there: so near that it is the same thing. Nothing rests on it
+/// for a sensor that sees all that is near.
 bool ScanMemory::isConfirmed(const Eigen::Vector2d& p_odom) const {
   constexpr double kSame_m = 0.15;
+  if (params_.below_view_m == 0.0) return false;
   return std::any_of(points_.begin(), points_.end(), [&](const Point& point) {
     return (point.p_odom - p_odom).squaredNorm() < kSame_m * kSame_m;
   });

@@ -215,17 +215,18 @@ struct DepthGap::Impl {
     const cv::Mat expected =
         use_geometry ? mendedBy(remembered, fittedInverse(frame.inverse, filter.fit())) : cv::Mat();
     std::vector<DepthAnchor> anchors = voAnchors(view, *rays, params.vo_scale_sigma);
+    const bool agree = !use_geometry || agrees(anchors, expected);
     // Against what was known a moment ago they are a map of the wrong scale, or of wrong matches.
-    const bool is_trusted = !use_geometry || agrees(anchors, expected);
-    if (!is_trusted && !expected.empty()) anchors.clear();
-    if (!is_trusted) distrust(anchors);
+    const bool are_refused = !agree && !expected.empty();
+    if (are_refused) anchors.clear();
+    if (!agree) distrust(anchors);
     const std::vector<DepthAnchor> points = use_geometry ? agreedOn(anchors) : std::vector<DepthAnchor>();
     cv::Mat evidence = lookForFloor(small, probability, expected);
     const cv::Mat standing = findStanding(points, *rays, params.scan.max_height_m);
     confirmFloor(points, *rays, evidence);
     denyFloor(standing, evidence);
     append(standingAnchors(standing), anchors);
-    fitMetres(view, is_trusted || expected.empty(), floorBefore(evidence, expected), frame);
+    fitMetres(view, !are_refused, floorBefore(evidence, expected), frame);
     const cv::Mat fitted = fittedInverse(frame.inverse, frame.fit);
     frame.contacts = findFloorContacts(evidence, use_geometry ? mendedBy(anchors, fitted) : cv::Mat(), *rays,
                                        params.contact);

@@ -177,9 +177,9 @@ ModifiedAStar::Cost CameraPlanner::costOf(const CameraObservation& observation) 
       return (p - obstacle).norm() < inflated_m ? kInfinite : 1.0;
     };
   }
-  const Eigen::Vector2d robot = observation.odometry.odom_from_base.position();
-  return [this, robot](const Eigen::Vector2d& p) {
-    if (isTowardPerson(robot, p)) return kInfinite;
+  const double keep_m = keepOffPerson_m(observation.odometry.odom_from_base.position());
+  return [this, keep_m](const Eigen::Vector2d& p) {
+    if (p_odom_person_ && (p - *p_odom_person_).norm() < keep_m) return kInfinite;
     const Cell in_window = cost_map_.toWindow(memory_.grid().cellOf(p));
     const WeightGrid& weights = cost_map_.weights();
     if (!weights.contains(in_window)) return params_.cost.unknown_weight;
@@ -188,13 +188,12 @@ ModifiedAStar::Cost CameraPlanner::costOf(const CameraObservation& observation) 
   };
 }
 
-/// Whether a place is so near the person who is the goal, whom the memory leaves out, that the robot would
-/// touch it; where the robot is that near itself, whether it is nearer still.
-bool CameraPlanner::isTowardPerson(const Eigen::Vector2d& p_odom_robot, const Eigen::Vector2d& p_odom) const {
+/// How far a path keeps off the person who is the goal, whom the memory leaves out: so that the robot does
+/// not touch it, or where it is nearer already comes no nearer still. 0 where there is none.
+double CameraPlanner::keepOffPerson_m(const Eigen::Vector2d& p_odom_robot) const {
   constexpr double kPerson_m = 0.25;  // a person's radius
-  if (!p_odom_person_) return false;
-  const double keep_m = kPerson_m + body_.circumradius_m;
-  return (p_odom - *p_odom_person_).norm() < std::min(keep_m, (p_odom_robot - *p_odom_person_).norm());
+  if (!p_odom_person_) return 0.0;
+  return std::min(kPerson_m + body_.circumradius_m, (p_odom_robot - *p_odom_person_).norm());
 }
 
 /// Weighs the places around the robot by what is trusted of the memory.

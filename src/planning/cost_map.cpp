@@ -80,16 +80,14 @@ void CostMap::updateCertain(const RollingGrid& grid, Cell start, int most_doubtf
     }
   }
   measureClearance();
-  weigh();
-  relaxAround(toWindow(start));
+  weigh(start);
 }
 
 void CostMap::update(const RollingGrid& grid, Cell start, double assumed_depth_m) {
   read(grid);
   measureClearance();
   if (assumed_depth_m > 0.0) fillShadows(assumed_depth_m);
-  weigh();
-  relaxAround(toWindow(start));
+  weigh(start);
 }
 
 void CostMap::fillShadows(double assumed_depth_m) {
@@ -133,11 +131,12 @@ void CostMap::measureClearance() {
   }
 }
 
-void CostMap::weigh() {
+void CostMap::weigh(Cell start) {
   for (std::size_t i = 0; i < states_.size(); ++i) {
     weights_.weights[i] =
         states_[i] == RollingGrid::State::kUnknown ? unknown_[squared_[i]] : known_[squared_[i]];
   }
+  relaxAround(toWindow(start));
 }
 
 void CostMap::relaxAround(Cell start) {

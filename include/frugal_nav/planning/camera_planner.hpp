@@ -194,7 +194,7 @@ class CameraPlanner {
   bool isLiteral() const { return params_.astar.mode == "literal"; }
   std::string findFault(const CameraObservation& observation) const;
   bool isNarrow(const GapSighting& gap) const;
-  bool isTowardPerson(const Eigen::Vector2d& p_odom_robot, const Eigen::Vector2d& p_odom) const;
+  double keepOffPerson_m(const Eigen::Vector2d& p_odom_robot) const;
   std::string haltReason(const GapSighting& gap) const;
   std::optional<Eigen::Vector2d> gapNode(const GapSighting& gap) const;
   std::optional<Eigen::Vector2d> nearObstacle(const CameraObservation& observation) const;

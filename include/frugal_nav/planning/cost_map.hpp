@@ -83,7 +83,7 @@ class CostMap {
   void measureClearance();
   void fillShadows(double assumed_depth_m);
   void makeTable();
-  void weigh();
+  void weigh(Cell start);
   void blockNearer(Cell window_cell, double radius_m, double clearance_m);
   void relaxAround(Cell window_start);
 
